@@ -1,0 +1,72 @@
+"""The decorator of everything a user declares: frozen data, checked when it is made, with errors that name the item."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, TypeVar, dataclass_transform
+
+from pydantic import ConfigDict, Field, ValidationError
+from pydantic.dataclasses import dataclass
+from pydantic_core import ErrorDetails
+
+from lamella.errors import DeclarationError, LamellaError
+
+C = TypeVar("C")
+CONFIG = ConfigDict(extra="forbid", arbitrary_types_allowed=True, validate_default=False)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(Field,))
+def declaration(cls: type[C]) -> type[C]:
+    """Make ``cls`` a frozen, validated dataclass that raises :class:`DeclarationError` for impossible values."""
+    made = dataclass(frozen=True, config=CONFIG)(cls)
+    made.__init__ = _clear_errors(made.__init__, cls.__name__)  # type: ignore[method-assign]
+    return made  # type: ignore[return-value]
+
+
+def _clear_errors(init: Callable[..., None], kind: str) -> Callable[..., None]:
+    @functools.wraps(init)
+    def checked(self: Any, *args: Any, **kwargs: Any) -> None:
+        names = [field.name for field in fields(self) if field.init]
+        if len(args) > len(names):
+            raise DeclarationError(kind, f"{len(args)} arguments given", f"accepted are {', '.join(names)}")
+        kwargs.update(zip(names, args, strict=False))  # so that messages say the argument's name, not its number
+        try:
+            init(self, **kwargs)
+        except ValidationError as error:
+            name = kwargs.get("name")
+            item = f"{kind} '{name}'" if isinstance(name, str) else kind
+            problem, accepted = explain(error.errors()[0])
+            raise DeclarationError(item, problem, accepted) from error
+
+    return checked
+
+
+LIMITS = {
+    "greater_than": ("gt", "greater than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+
+
+def explain(error: ErrorDetails) -> tuple[str, str]:
+    """Turn one pydantic error into (problem with the value, what is accepted)."""
+    place = ".".join(str(part) for part in error["loc"] if not str(part).startswith("function-"))
+    context = error.get("ctx", {})
+    kind, value = error["type"], error.get("input")
+    cause = context.get("error")
+    if isinstance(cause, LamellaError):
+        return f"{place} = {value!r}" if place else str(cause), str(cause) if place else ""
+    if kind in LIMITS:
+        key, words = LIMITS[kind]
+        return f"{place} = {value}", f"accepted is a value {words} {context[key]:g}"
+    if kind in ("unexpected_keyword_argument", "extra_forbidden"):
+        return f"unknown argument '{place}'", ""
+    if kind in ("missing", "missing_argument"):
+        return f"'{place}' is missing", ""
+    if kind == "literal_error":
+        return f"{place} = {value!r}", f"accepted is {context['expected']}"
+    message = error["msg"].removeprefix("Value error, ")
+    return f"{place} = {value!r}" if place else message, message if place else ""

@@ -1,0 +1,122 @@
+"""Numbering: the build that declarations contribute to while a system is compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from lamella.errors import ModelError
+from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock, Ints
+
+if TYPE_CHECKING:
+    from lamella.state import State
+
+
+class Motion(Protocol):
+    """A function of time with its first two derivatives (see ``lamella.math.profile``)."""
+
+    def value(self, t: float) -> float: ...
+    def rate(self, t: float) -> float: ...
+    def acceleration(self, t: float) -> float: ...
+
+
+@dataclass(frozen=True)
+class LinearRow:
+    """One constant linear constraint ``coefs . q[coords] = constant + motion(t)``, eliminated before the solution.
+
+    Args:
+        label: says in words what is held, for messages.
+        coords: coordinates, shape (n,).
+        coefs: coefficients, shape (n,).
+        constant: right-hand side without motion.
+        motion: prescribed motion added to the right-hand side.
+    """
+
+    label: str
+    coords: Ints
+    coefs: Floats
+    constant: float
+    motion: Motion | None = None
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A quantity recorded while a solution runs.
+
+    Args:
+        name: for example ``tip.position``.
+        unit: for example ``m``.
+        labels: names of the components, empty for a scalar.
+        evaluate: gives the value from a state, shape (len(labels),) or scalar.
+        description: a short sentence for the result file.
+    """
+
+    name: str
+    unit: str
+    labels: tuple[str, ...]
+    evaluate: Callable[[State], Floats | float]
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Support:
+    """The rows of one support, with the point its reaction torque refers to."""
+
+    name: str
+    rows: tuple[int, ...]
+    centre: Floats
+
+
+@dataclass
+class Build:
+    """What declarations have contributed so far. Vectors are numbered in the order of declaration."""
+
+    q: list[Floats] = field(default_factory=list)
+    v: list[Floats] = field(default_factory=list)
+    is_position: list[Bools] = field(default_factory=list)
+    magnitude: list[Floats] = field(default_factory=list)
+    forces: list[ForceBlock] = field(default_factory=list)
+    loads: list[ForceBlock] = field(default_factory=list)
+    inertias: list[InertiaBlock] = field(default_factory=list)
+    constraints: list[ConstraintBlock] = field(default_factory=list)
+    rows: list[LinearRow] = field(default_factory=list)
+    supports: list[Support] = field(default_factory=list)
+    signals: list[Signal] = field(default_factory=list)
+    bodies: dict[str, object] = field(default_factory=dict)
+    n_vectors: int = 0
+
+    def vectors(self, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
+        """Number a body's coordinate vectors.
+
+        Args:
+            q: initial values, shape (n, 3).
+            v: initial velocities, shape (n, 3).
+            is_position: True where a vector is a position (moved by a translation), shape (n,).
+            magnitude: typical size of a change of each vector (length for a position, 1 for a slope), for convergence
+                criteria that do not depend on the unit system, shape (n,).
+
+        Returns:
+            The number of the first vector.
+        """
+        first = self.n_vectors
+        self.q.append(np.asarray(q, float))
+        self.v.append(np.asarray(v, float))
+        self.is_position.append(np.asarray(is_position, bool))
+        self.magnitude.append(np.asarray(magnitude, float))
+        self.n_vectors += len(q)
+        return first
+
+    def hold(self, name: str, rows: list[LinearRow], centre: Floats) -> None:
+        """Add a support: linear rows whose reaction force and torque about ``centre`` (3,) are reported under ``name``."""
+        first = len(self.rows)
+        self.rows.extend(rows)
+        self.supports.append(Support(name, tuple(range(first, first + len(rows))), np.asarray(centre, float)))
+
+    def body(self, name: str) -> object:
+        """The compiled form of a body, by its name."""
+        if name not in self.bodies:
+            raise ModelError(f"body '{name}' is referred to but was not added to the system; call system.add({name}) first")
+        return self.bodies[name]

@@ -1,0 +1,141 @@
+"""The contracts between physics and solution: what a body, joint or load must provide, and nothing else.
+
+The equations of motion of every system are
+
+    M a + f(t, q, v) + Phi_q(t, q)^T lam = 0,      Phi(t, q) = 0
+
+with one vector of absolute coordinates q, one constant mass matrix M and the residual force f = f_int - f_ext. A *block* is all
+items of one kind, held as arrays; it writes its part of f and of the tangent into a buffer of its own, and tells once, at
+compilation, to which coordinate each entry of the buffer belongs. The assembly sums the buffers through one precomputed sparse
+operator, which also eliminates constrained coordinates, so no block knows of numbering, sparsity or constraints.
+
+All coordinates are components of vectors in the inertial frame (positions, slopes, directors), three to a vector: coordinate
+``3 k + c`` is component c of vector k. A rigid translation changes the vectors that are positions, a rotation turns all of them.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from lamella.dofs import Build
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+Symmetry = Literal["symmetric", "nearly", "none"]
+"""Tangent of a block: ``symmetric`` (derivative of an energy; the block lists its upper triangle only), ``nearly`` (all entries listed;
+Newton may use the symmetric part) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
+
+
+class Declaration(ABC):
+    """Something a user adds to a system.
+
+    1. It is frozen data with a ``name`` that is unique in its system.
+    2. ``contribute`` is called once at compilation, bodies first, then the others in the order they were added.
+    3. ``contribute`` changes nothing but the build it is given; compiling twice gives the same model.
+    4. Errors name the declaration, the value and what would be accepted.
+    """
+
+    name: str
+    order: ClassVar[int] = 1
+    """Declarations contribute in ascending order: 0 bodies, 1 everything that refers to bodies."""
+
+    @abstractmethod
+    def contribute(self, build: Build) -> None:
+        """Add coordinates, blocks, constraints and signals to the build."""
+
+
+class ForceBlock(ABC):
+    """Forces that depend on time, position and velocity, with their tangent.
+
+    1. ``f_coords`` (n_f,) holds the global coordinate of each entry of the force buffer, -1 for padding; ``f_scale`` (n_f,) the
+       factor with which the entry enters the sum.
+    2. ``k_rows, k_cols, k_scale`` (n_k,) the same for the tangent buffer. A ``symmetric`` block lists each off-diagonal pair once.
+    3. ``force`` overwrites the force buffer with the block's part of f = f_int - f_ext. It allocates nothing per element.
+    4. ``force_tangent`` also overwrites the tangent buffer with alpha_q df/dq + alpha_v df/dv, exact at (t, q, v) when
+       ``q_previous`` is q. ``q_previous`` is Newton's previous iterate: a block may use it to take the stress of the geometric
+       stiffness from a linear extrapolation, which saves iterations and changes no converged result.
+    5. ``energy`` is the potential whose derivative is the conservative part of f, 0.0 when there is none.
+    6. ``dissipation`` is the power [W] turned into heat, never negative, 0.0 when there is none.
+    """
+
+    name: str
+    symmetry: Symmetry = "symmetric"
+    depends_on_velocity: bool = False
+    f_coords: Ints
+    f_scale: Floats
+    k_rows: Ints
+    k_cols: Ints
+    k_scale: Floats
+
+    @abstractmethod
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write the force buffer ``f`` (n_f,)."""
+
+    @abstractmethod
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        """Write the force buffer ``f`` (n_f,) and the tangent buffer ``k`` (n_k,)."""
+
+    @abstractmethod
+    def energy(self, t: float, q: Floats) -> float:
+        """Potential energy [J]."""
+
+    def dissipation(self, t: float, q: Floats, v: Floats) -> float:
+        """Power turned into heat [W]."""
+        return 0.0
+
+
+class InertiaBlock(ABC):
+    """A constant, symmetric, positive semi-definite part of the mass matrix."""
+
+    name: str
+
+    @abstractmethod
+    def mass(self) -> tuple[Ints, Ints, Floats]:
+        """Rows, columns and values of all entries (both triangles); duplicates are summed."""
+
+
+class ConstraintBlock(ABC):
+    """Equations Phi(t, q) = 0 that take Lagrange multipliers.
+
+    1. ``n_lam`` equations; ``j_rows`` (0 <= row < n_lam) and ``j_cols`` (coordinates) list the entries of Phi_q.
+    2. ``k_rows, k_cols`` list each entry of the symmetric matrix (Phi_q^T lam)_q once (upper triangle).
+    3. ``phi_t`` is the partial derivative by time; ``gamma`` = (Phi_q v)_q v + 2 Phi_qt v + Phi_tt, so that
+       Phi_q a = -gamma on the constraint.
+    4. Buffers are overwritten, nothing is allocated per item.
+    """
+
+    name: str
+    n_lam: int
+    j_rows: Ints
+    j_cols: Ints
+    k_rows: Ints
+    k_cols: Ints
+
+    @abstractmethod
+    def phi(self, t: float, q: Floats, out: Floats) -> None:
+        """Write Phi (n_lam,)."""
+
+    @abstractmethod
+    def jacobian(self, t: float, q: Floats, out: Floats) -> None:
+        """Write the entries of Phi_q."""
+
+    @abstractmethod
+    def curvature(self, t: float, q: Floats, lam: Floats, out: Floats) -> None:
+        """Write the entries of (Phi_q^T lam)_q."""
+
+    @abstractmethod
+    def phi_t(self, t: float, q: Floats, out: Floats) -> None:
+        """Write the partial derivative of Phi by time (n_lam,)."""
+
+    @abstractmethod
+    def gamma(self, t: float, q: Floats, v: Floats, out: Floats) -> None:
+        """Write (Phi_q v)_q v + 2 Phi_qt v + Phi_tt (n_lam,)."""

@@ -1,0 +1,106 @@
+"""Physical quantities: numbers in SI units, or strings that carry a unit, such as ``1.5 mm``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from lamella.errors import UnitError
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The SI unit of an annotated number; shown in messages, schema and result files."""
+
+    symbol: str
+
+
+@cache
+def _registry() -> Any:
+    from pint import UnitRegistry  # imported late: 0.2 s that plain numbers never need
+
+    return UnitRegistry(cache_folder=None)
+
+
+def to_si(value: object, unit: str) -> float:
+    """Convert a number or a string with a unit to a float in ``unit``.
+
+    Args:
+        value: a finite number, taken as SI, or a string such as ``"1.5 mm"`` or ``"181 GPa"``.
+        unit: SI unit expected, for example ``"m"``; ``""`` for a pure number.
+
+    Raises:
+        UnitError: unknown or incompatible unit, not a number, NaN or infinite.
+    """
+    accepted = f"accepted is a number in {unit} or text such as '1.5 {unit}'" if unit else "accepted is a plain number"
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        if not hasattr(value, "__float__"):
+            raise UnitError(f"{value!r} is not a number; {accepted}")
+        value = float(value)  # type: ignore[arg-type]  # NumPy scalars
+    if isinstance(value, str):
+        value = _parse(value, unit, accepted)
+    if not math.isfinite(value):
+        raise UnitError(f"{value} is not finite; {accepted}")
+    return float(value)
+
+
+def _parse(text: str, unit: str, accepted: str) -> float:
+    import pint
+
+    try:
+        quantity = _registry().Quantity(text)
+    except Exception as error:  # pint raises its own, tokenizer and attribute errors for malformed text
+        raise UnitError(f"'{text}' is not a number with a known unit; {accepted}") from error
+    if quantity.unitless:
+        return float(quantity.magnitude)
+    try:
+        return float(quantity.to(unit or "dimensionless").magnitude)
+    except pint.DimensionalityError as error:
+        raise UnitError(f"'{text}' has the unit {quantity.units:~}, which does not convert to {unit or 'a pure number'}; {accepted}") from error
+
+
+def _validator(unit: str) -> BeforeValidator:
+    def convert(value: object) -> float:
+        try:
+            return to_si(value, unit)
+        except UnitError as error:
+            raise ValueError(str(error)) from error
+
+    return BeforeValidator(convert)
+
+
+def quantity(unit: str, **limits: float) -> Any:
+    """An annotated float in ``unit`` with optional limits (``gt``, ``ge``, ``lt``, ``le``) for declarations."""
+    return Annotated[float, Unit(unit), _validator(unit), Field(json_schema_extra={"unit": unit}, **limits)]  # type: ignore[arg-type]
+
+
+if TYPE_CHECKING:
+    Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
+    Force = ForcePerLength = Pressure = Torque = TorquePerLength = Velocity = AngularVelocity = Acceleration = Rate = float
+    Expansion = float
+else:
+    Number = quantity("")
+    Positive = quantity("", gt=0)
+    NonNegative = quantity("", ge=0)
+    Length = quantity("m")
+    Thickness = quantity("m", gt=0)
+    Angle = quantity("rad")
+    Time = quantity("s")
+    Mass = quantity("kg", gt=0)
+    Density = quantity("kg/m^3", gt=0)
+    Modulus = quantity("Pa", gt=0)
+    Force = quantity("N")
+    ForcePerLength = quantity("N/m")
+    Pressure = quantity("Pa")
+    Torque = quantity("N*m")
+    TorquePerLength = quantity("N")
+    Velocity = quantity("m/s")
+    AngularVelocity = quantity("rad/s")
+    Acceleration = quantity("m/s^2")
+    Rate = quantity("1/s", ge=0)
+    Expansion = quantity("1/K")
