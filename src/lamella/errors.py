@@ -51,7 +51,15 @@ class ConvergenceError(LamellaError):
 
 
 class SingularSystemError(LamellaError):
-    """A matrix that must be regular is singular; the message names the coordinates that are free."""
+    """A matrix that must be regular is singular; the message names the coordinates that are free.
+
+    Args:
+        index: the independent coordinate (a multiplier counts behind the coordinates) that is most free, None when not known.
+    """
+
+    def __init__(self, message: str, index: int | None = None) -> None:
+        self.index = index
+        super().__init__(message)
 
 
 class ResultFileError(LamellaError):

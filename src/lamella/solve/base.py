@@ -1,0 +1,89 @@
+"""The contract of a linear solver."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from lamella.assembly.pattern import Pattern
+from lamella.errors import SingularSystemError
+from lamella.roles import Floats
+
+
+class LinearSolver(ABC):
+    """Solver of the linear system of one Newton iteration, whose sparsity pattern never changes,
+
+        [ K  J^T ] [ x ]   [ r ]
+        [ J   0  ] [ y ] = [ s ]
+
+    1. The constructor does everything that depends on the pattern alone; ``factorise`` and ``solve`` do the rest.
+    2. ``factorise`` takes the values of K and J in the order of the pattern and keeps no reference to them.
+    3. ``factorise`` raises :class:`SingularSystemError` with the coordinate that is free in ``index`` (multiplier i counts as
+       n + i) when the matrix is singular or not finite. After an error there is no factorisation.
+    4. ``solve`` may be called any number of times for one factorisation, changes nothing, and returns new arrays.
+    5. A solution is right to rounding, or an error is raised: a solver without safe pivoting checks its residual.
+    6. ``negative_pivots`` is the number of negative eigenvalues of K (of K on the null space of J, with multipliers) of the
+       last factorisation, None where it is not known. An equilibrium is stable when it is 0.
+    """
+
+    pattern: Pattern
+
+    @property
+    def negative_pivots(self) -> int | None:
+        """Number of negative eigenvalues (rule 6)."""
+        return None
+
+    @abstractmethod
+    def factorise(self, k: Floats, j: Floats) -> None:
+        """Factorise the matrix with values ``k`` (nnz,) and ``j`` (j_nnz,)."""
+
+    @abstractmethod
+    def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
+        """Solution x (n,), y (n_lam,) for the right-hand side r (n,), s (n_lam,)."""
+
+
+class DefiniteFactor(ABC):
+    """Factorisation K = L L^T of a symmetric positive definite matrix of fixed pattern, without multipliers.
+
+    1. ``try_factorise`` returns -1 on success, else the coordinate whose pivot is not positive (to rounding).
+    2. ``solve`` takes one right-hand side (n,) or several as columns (n, m).
+    """
+
+    pattern: Pattern
+    cost: float
+    """Multiplications and additions of one factorisation."""
+
+    @abstractmethod
+    def try_factorise(self, k: Floats) -> int:
+        """Factorise; -1, or the coordinate where the matrix is seen not to be positive definite."""
+
+    @abstractmethod
+    def solve(self, r: Floats) -> Floats:
+        """K^-1 r for the last successful factorisation."""
+
+
+PIVOT_TOLERANCE = 64 * np.finfo(float).eps
+"""A pivot below this fraction of its diagonal entry is rounding error: some tens of updates of one rounding each."""
+
+
+def singular(pattern: Pattern, index: int) -> SingularSystemError:
+    """The error for a matrix in which coordinate or multiplier ``index`` is free."""
+    if index < pattern.n:
+        problem = f"independent coordinate {index} of {pattern.n} is not held: a body or mechanism can move freely"
+    else:
+        problem = f"multiplier {index - pattern.n} of {pattern.n_lam} is not determined: a constraint is redundant"
+    return SingularSystemError(f"the system matrix is singular; {problem}", index)
+
+
+def not_finite(pattern: Pattern, k: Floats, j: Floats) -> SingularSystemError | None:
+    """The error for a matrix that holds NaN or infinity, None when all values are finite."""
+    bad = np.flatnonzero(~np.isfinite(k))
+    if bad.size:
+        index = int(pattern.rows[bad[0]])
+        return SingularSystemError(f"the system matrix is not finite in the row of independent coordinate {index}", index)
+    bad = np.flatnonzero(~np.isfinite(j))
+    if bad.size:
+        index = int(pattern.j_rows[bad[0]])
+        return SingularSystemError(f"the constraint Jacobian is not finite in row {index}", pattern.n + index)
+    return None

@@ -1,0 +1,88 @@
+"""The saddle-point matrix of a Newton iteration as one sparse matrix, equilibrated."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from lamella.assembly.pattern import Pattern
+from lamella.roles import Floats, Ints
+
+
+class SaddleMatrix:
+    """A = [[K, J^T], [J, 0]] in compressed columns, scaled to S A S with entries of at most 1.
+
+    The rows of a twist r_xy are many orders of magnitude smaller than those of a position r, and those of a constraint smaller
+    than those of a stiffness; unscaled, pivot thresholds compare numbers of different units. With m_i the largest entry of row
+    and column i of K,
+
+        s_i = m_i^-1/2  (coordinates),      s_i = 1 / max_j |J_ij s_j|  (multipliers)
+
+    Args:
+        pattern: sparsity pattern of K and J.
+        order: coordinate or multiplier at each position, shape (n + n_lam,); given order when None.
+    """
+
+    def __init__(self, pattern: Pattern, order: Ints | None = None) -> None:
+        n = pattern.n
+        self.pattern, self.size = pattern, n + pattern.n_lam
+        self.order = np.arange(self.size) if order is None else np.asarray(order, np.int64)
+        kr, kc = pattern.rows, np.asarray(pattern.indices, np.int64)
+        jr, jc = pattern.j_rows + n, np.asarray(pattern.j_indices, np.int64)
+        self._k_rows, self._k_cols, self._j_rows, self._j_cols = kr, kc, jr - n, jc
+        k_source, j_source = np.arange(len(kr)), len(kr) + np.arange(len(jr))
+        mirrored = np.flatnonzero(kr != kc) if pattern.symmetric else np.zeros(0, np.int64)
+        rows = np.concatenate([kr, kc[mirrored], jr, jc])
+        cols = np.concatenate([kc, kr[mirrored], jc, jr])
+        source = np.concatenate([k_source, mirrored, j_source, j_source])
+        position = np.argsort(self.order)
+        rows, cols = position[rows], position[cols]
+        stored = np.lexsort((rows, cols))
+        self._source, self._rows, self._cols = source[stored], rows[stored], cols[stored]
+        indptr = np.searchsorted(self._cols, np.arange(self.size + 1))
+        data = np.zeros(len(stored))
+        self.matrix = sparse.csc_array((data, self._rows.astype(np.intc), indptr.astype(np.intc)), shape=(self.size, self.size))
+        self.scale = np.ones(self.size)
+
+    def fill(self, k: Floats, j: Floats) -> None:
+        """Set the values of K and J, in the order of the pattern, and equilibrate."""
+        n = self.pattern.n
+        largest = np.zeros(n)
+        size = np.abs(k)
+        np.maximum.at(largest, self._k_rows, size)
+        np.maximum.at(largest, self._k_cols, size)
+        s = np.ones(self.size)
+        s[:n] = 1 / np.sqrt(np.where(largest > 0, largest, 1.0))
+        largest = np.zeros(self.pattern.n_lam)
+        np.maximum.at(largest, self._j_rows, np.abs(j) * s[self._j_cols])
+        s[n:] = 1 / np.where(largest > 0, largest, 1.0)
+        self.scale = s[self.order]
+        self.matrix.data[:] = np.concatenate([k, j])[self._source] * self.scale[self._rows] * self.scale[self._cols]
+
+    def scaled(self, r: Floats, s: Floats) -> Floats:
+        """Right-hand side of the equilibrated, ordered system, shape (n + n_lam,)."""
+        return np.concatenate([r, s])[self.order] * self.scale
+
+    def unscaled(self, z: Floats) -> tuple[Floats, Floats]:
+        """Coordinates (n,) and multipliers (n_lam,) from the solution of the equilibrated system."""
+        x = np.empty(self.size)
+        x[self.order] = z * self.scale
+        return x[: self.pattern.n], x[self.pattern.n :]
+
+    def free_index(self) -> int:
+        """Coordinate or multiplier with the largest component in the null vector of the equilibrated matrix.
+
+        The null vector is the limit of inverse iteration with a slightly shifted matrix.
+        """
+        shifted = (self.matrix + 1e-9 * sparse.eye_array(self.size)).tocsc()
+        lu, z = splu(shifted), probe(self.size)
+        for _ in range(3):
+            z = lu.solve(z)
+            z /= np.abs(z).max()
+        return int(self.order[np.argmax(np.abs(z))])
+
+
+def probe(size: int) -> Floats:
+    """A fixed vector of signs without structure, so that it has a part along any null vector, shape (size,)."""
+    return np.where(np.random.default_rng(7).random(size) < 0.5, -1.0, 1.0)
