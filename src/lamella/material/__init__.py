@@ -1,1 +1,1 @@
-"""."""
+"""Materials, laminates and failure criteria."""

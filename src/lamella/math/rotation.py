@@ -1,0 +1,129 @@
+"""Rotations in space: rotation vectors, matrices, quaternions and Euler angles, and the rotation within a deformation gradient.
+
+A matrix R turns vectors: ``v' = R v``. Its columns are the turned axes. All functions take stacks: leading axes (...) are kept.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.errors import LamellaError
+from lamella.roles import Floats
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+
+def matrix_from_vector(vector: Floats) -> Floats:
+    """Rotation matrix of a rotation vector, ``R = exp(vector x)``.
+
+    Args:
+        vector: axis times angle [rad], shape (..., 3).
+
+    Returns:
+        R [-], shape (..., 3, 3).
+    """
+    return _transform().from_rotvec(np.asarray(vector, float)).as_matrix()
+
+
+def vector_from_matrix(R: Floats) -> Floats:
+    """Rotation vector of a rotation matrix, the inverse of :func:`matrix_from_vector`.
+
+    Args:
+        R: rotation matrix [-], shape (..., 3, 3).
+
+    Returns:
+        Axis times angle with an angle of at most pi [rad], shape (..., 3).
+    """
+    return _transform().from_matrix(np.asarray(R, float)).as_rotvec()
+
+
+def matrix_from_quaternion(quaternion: Floats) -> Floats:
+    """Rotation matrix of a quaternion.
+
+    Args:
+        quaternion: (w, x, y, z), real part first; its norm does not matter [-], shape (..., 4).
+
+    Returns:
+        R [-], shape (..., 3, 3).
+    """
+    return _transform().from_quat(np.asarray(quaternion, float), scalar_first=True).as_matrix()
+
+
+def quaternion_from_matrix(R: Floats) -> Floats:
+    """Unit quaternion of a rotation matrix.
+
+    Args:
+        R: rotation matrix [-], shape (..., 3, 3).
+
+    Returns:
+        (w, x, y, z) with w >= 0 [-], shape (..., 4).
+    """
+    return _transform().from_matrix(np.asarray(R, float)).as_quat(canonical=True, scalar_first=True)
+
+
+def matrix_from_euler(angles: Floats, axes: str = "ZYX") -> Floats:
+    """Rotation matrix of Euler angles.
+
+    Args:
+        angles: in the order of the axes [rad], shape (..., 3).
+        axes: three letters; capitals turn about the turned axes (``ZYX`` = yaw, pitch, roll), small letters about the fixed ones.
+
+    Returns:
+        R [-], shape (..., 3, 3).
+    """
+    return _transform().from_euler(axes, np.asarray(angles, float)).as_matrix()
+
+
+def euler_from_matrix(R: Floats, axes: str = "ZYX") -> Floats:
+    """Euler angles of a rotation matrix, the inverse of :func:`matrix_from_euler`.
+
+    Args:
+        R: rotation matrix [-], shape (..., 3, 3).
+        axes: as for :func:`matrix_from_euler`.
+
+    Returns:
+        Angles [rad], shape (..., 3). Where the first and third axis coincide, SciPy warns and sets the third angle to zero.
+    """
+    return _transform().from_matrix(np.asarray(R, float)).as_euler(axes)
+
+
+def polar(F: Floats) -> tuple[Floats, Floats]:
+    """Rotation and stretch of a deformation gradient, ``F = R U``.
+
+    R is the rotation nearest to F. For a surface, F = [r_x, r_y] and the third column of R is the normal r_x x r_y / abs(...).
+
+    Args:
+        F: gradient [-], shape (..., 3, 3), or (..., 3, 2) for a surface.
+
+    Returns:
+        R, shape (..., 3, 3), and the symmetric stretch U, shape (..., 3, 3) or (..., 2, 2): ``F = R[..., :k] U`` for k columns.
+
+    Raises:
+        LamellaError: F is singular or, with three columns, a reflection: no rotation is nearest.
+
+    Source: Higham (1986), Computing the polar decomposition.
+    """
+    F = np.asarray(F, float)
+    W, sigma, Vt = np.linalg.svd(F, full_matrices=False)
+    k = F.shape[-1]
+    reflected = k == 3 and np.any(np.linalg.det(F) < 0.0)
+    if reflected or np.any(
+        sigma[..., -1] <= 1e-12 * sigma[..., 0]
+    ):  # 1e-12: what the singular values are accurate to, with reserve
+        raise LamellaError(
+            "polar decomposition: the gradient is singular or a reflection; accepted are independent, right-handed columns"
+        )
+    R = W @ Vt
+    U = np.swapaxes(Vt, -1, -2) @ (sigma[..., None] * Vt)
+    if k == 2:
+        R = np.concatenate([R, np.cross(R[..., 0], R[..., 1])[..., None]], axis=-1)
+    return R, U
+
+
+def _transform() -> type[Rotation]:
+    from scipy.spatial.transform import Rotation  # imported late: 0.7 s that help and checks of a model file need not wait for
+
+    return Rotation

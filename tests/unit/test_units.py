@@ -1,0 +1,101 @@
+"""Quantities: conversion of numbers and texts, and the messages for what is none."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from lamella.errors import LamellaError, UnitError
+from lamella.units import Length, NonNegative, Thickness, Unit, quantity, to_si
+
+RATIOS = pytest.mark.xfail(strict=True, reason="to_si takes the bare number of a ratio of equal units")
+BOOLEANS = pytest.mark.xfail(strict=True, reason="to_si takes True for 1")
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        ("1.5 mm", "m", 1.5e-3),
+        ("181 GPa", "Pa", 181e9),
+        ("181GPa", "Pa", 181e9),
+        ("2 kN/m", "N/m", 2e3),
+        ("3 N*m", "N*m", 3.0),
+        ("1560 kg/m^3", "kg/m^3", 1560.0),
+        ("1.56 g/cm**3", "kg/m^3", 1560.0),
+        ("90 deg", "rad", math.pi / 2),
+        ("0.5 rad", "deg", math.degrees(0.5)),
+        ("60 rpm", "rad/s", 2 * math.pi),
+        ("2 ms", "s", 2e-3),
+        pytest.param("12 ppm", "", 12e-6, marks=RATIOS),
+        pytest.param("50 percent", "", 0.5, marks=RATIOS),
+        pytest.param("1 mm/m", "", 1e-3, marks=RATIOS),
+        ("22.5e-6 1/K", "1/K", 22.5e-6),
+        ("7", "m", 7.0),
+        ("-1e-3", "N", -1e-3),
+        (3, "m", 3.0),
+        (np.float32(0.5), "m", 0.5),
+        (np.int64(4), "m", 4.0),
+        (np.array(2.0), "m", 2.0),
+    ],
+)
+def test_conversion(value: object, unit: str, expected: float) -> None:
+    converted = to_si(value, unit)
+    assert type(converted) is float
+    assert converted == pytest.approx(expected, rel=1e-14)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_are_si_and_unchanged(value: float) -> None:
+    assert to_si(value, "m") == value
+
+
+@given(st.floats(1e-6, 1e6))
+def test_text_and_number_agree(value: float) -> None:
+    assert to_si(f"{value!r} mm", "m") == pytest.approx(1e-3 * value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "message"),
+    [
+        (
+            "1.5 kg",
+            "m",
+            "'1.5 kg' has the unit kg, which does not convert to m; accepted is a number in m or text such as '1.5 m'",
+        ),
+        ("1 m", "", "does not convert to a pure number; accepted is a plain number"),
+        ("3 furlongz", "m", "'3 furlongz' is not a number with a known unit"),
+        ("wide", "m", "'wide' is not a number with a known unit"),
+        ("1 +", "m", "is not a number with a known unit"),
+        (None, "m", "None is not a number; accepted is a number in m"),
+        pytest.param(True, "m", "True is not a number", marks=BOOLEANS),
+        pytest.param("50 percent", "m", "does not convert to m", marks=RATIOS),
+        ([1.0], "m", "is not a number"),
+        (math.nan, "m", "nan is not finite"),
+        (math.inf, "m", "inf is not finite"),
+        ("nan m", "m", "nan is not finite"),
+    ],
+)
+def test_what_is_no_quantity_is_refused(value: object, unit: str, message: str) -> None:
+    with pytest.raises(UnitError, match=message) as caught:
+        to_si(value, unit)
+    assert isinstance(caught.value, LamellaError)
+
+
+def test_types_convert_and_hold_their_limits() -> None:
+    assert TypeAdapter(Length).validate_python("-2 cm") == pytest.approx(-0.02)
+    assert TypeAdapter(NonNegative).validate_python(0) == 0.0
+    for wrong in (0, "-1 mm"):
+        with pytest.raises(ValidationError, match="greater than 0"):
+            TypeAdapter(Thickness).validate_python(wrong)
+    with pytest.raises(ValidationError, match="less than 2"):
+        TypeAdapter(quantity("m", lt=2)).validate_python(2)
+
+
+def test_types_tell_their_unit() -> None:
+    assert Unit("m") in Length.__metadata__  # type: ignore[attr-defined]
+    assert TypeAdapter(Length).json_schema()["unit"] == "m"
