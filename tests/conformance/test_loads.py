@@ -13,6 +13,7 @@ from lamella.body.ground import Ground
 from lamella.body.plate import Plate
 from lamella.dofs import Build
 from lamella.errors import DeclarationError
+from lamella.joint.support import EdgeSupport
 from lamella.load.force import EdgeForce, PointForce, SurfaceForce
 from lamella.load.gravity import Gravity
 from lamella.load.moment import EdgeMoment, PointMoment
@@ -234,6 +235,15 @@ def test_pressure_tangent_is_symmetric_inside_a_held_boundary():
     assert np.abs(held).max() > 0
     assert np.abs(held - held.T).max() <= 1e-13 * np.abs(held).max()
     assert np.abs(K - K.T).max() > 1e-3 * np.abs(K).max()
+
+
+@pytest.mark.parametrize(("sides", "symmetry"), [(("x-", "x+", "y-", "y+"), "nearly"), (("x-", "x+", "y-"), "none")])
+def test_pressure_asks_for_an_unsymmetric_solver_only_with_a_free_edge(sides, symmetry):
+    plate, build = make_plate(), Build()
+    items = [plate, Pressure("load", plate, 4.0), *(EdgeSupport(side, plate.edge(side)) for side in sides)]
+    for item in sorted(items, key=lambda item: item.order):
+        item.contribute(build)
+    assert build.loads[0].symmetry == symmetry
 
 
 @pytest.mark.parametrize("name", LOADS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from lamella.dofs import Build, Motion
 from lamella.load.record import add_load
 from lamella.math.gauss import gauss_rule
 from lamella.math.profile import Constant, Profile
-from lamella.roles import Declaration, Floats, ForceBlock
+from lamella.roles import Declaration, Floats, ForceBlock, Symmetry
 
 if TYPE_CHECKING:
     from lamella.body.mesh import PlateMesh
@@ -38,6 +38,7 @@ class Pressure(Declaration):
         profile: factor p(t).
     """
 
+    order: ClassVar[int] = 3  # after the supports, which decide whether the tangent is symmetric
     name: str
     on: Plate
     pressure: units.Pressure
@@ -45,7 +46,24 @@ class Pressure(Declaration):
 
     def contribute(self, build: Build) -> None:
         """Add the pressure on all elements of the plate."""
-        add_load(build, PressureBlock(self.name, self.on.compiled(build), self.pressure, self.profile), self.profile)
+        mesh = self.on.compiled(build)
+        block = PressureBlock(self.name, mesh, self.pressure, self.profile)
+        block.symmetry = "nearly" if _boundary_is_held(build, mesh) else "none"
+        add_load(build, block, self.profile)
+
+
+def _boundary_is_held(build: Build, mesh: PlateMesh) -> bool:
+    """Whether supports hold the whole boundary curve: positions and slopes along the edge at all nodes of all edges."""
+    held = {int(row.coords[0]) for row in build.rows if len(row.coords) == 1}
+    sides = ("x-", "x+", "y-", "y+")
+    curve = {
+        3 * mesh.vector(int(node), name) + c
+        for side in sides
+        for node in mesh.edge_nodes(side)
+        for name in ("r", mesh.edge_slope(side)[0])
+        for c in range(3)
+    }
+    return curve <= held
 
 
 class PressureBlock(ForceBlock):
@@ -57,9 +75,11 @@ class PressureBlock(ForceBlock):
 
     The 3x3 blocks [k_ab x] are skew: their diagonals are zero by structure and are not listed. The tangent is symmetric when
     k_ab = -k_ba. As r_xi,eta is the same in both orders, k_ab + k_ba = p int ((S_a S_b),eta r_xi - (S_a S_b),xi r_eta) is an
-    integral along the boundary of the surface: it cancels between neighbouring elements and vanishes on edges that are held
-    (Schweizerhof and Ramm, 1984). Only free edges are left, hence ``nearly``. With free edges there is no potential either,
-    and with held ones only up to a constant that depends on where they are held: ``energy`` is zero, the work is that of f.
+    integral along the boundary of the surface: it cancels between neighbouring elements and vanishes where the boundary is held
+    (Schweizerhof and Ramm, 1984). So the symmetry is ``nearly`` when all edges are held, and ``none`` when one is free: with the
+    symmetric part alone Newton on a cantilever that the pressure bends over stops converging.
+    There is no potential with free edges, and with held ones only pressure times the volume swept, which has no natural zero:
+    ``energy`` is 0.0 and the energy that the pressure gives is the work of f.
 
     Args:
         name: the load's name.
@@ -68,7 +88,7 @@ class PressureBlock(ForceBlock):
         profile: the factor p(t).
     """
 
-    symmetry = "nearly"
+    symmetry: Symmetry = "none"
 
     def __init__(self, name: str, mesh: PlateMesh, pressure: float, profile: Motion) -> None:
         self.name, self.pressure, self.profile = name, pressure, profile
