@@ -21,7 +21,7 @@ $(VENV)/.ready-%: pyproject.toml tools/bootstrap.py
 comma := ,
 
 demo: $(VENV)/.ready-viz  ## run the example EXAMPLE=cantilever-plate into results/, with pictures and a report
-	@$(BIN)/lamella run $(EXAMPLE) --out results/$(EXAMPLE)
+	@$(BIN)/lamella run $(EXAMPLE) --out results/$(EXAMPLE) --overwrite
 	@echo
 	@echo "Pictures, report and data of this run:"
 	@find results/$(EXAMPLE) -type f | sort | sed 's/^/  /'

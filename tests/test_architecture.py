@@ -22,8 +22,8 @@ LAYERS = [
     {"assembly", "signals"},
     {"solve"},
     {"integrate"},
-    {"system", "simulate", "statics", "modal", "linearize"},
-    {"study", "io", "viz", "verification"},
+    {"system", "motion", "statics", "modal", "linearize"},
+    {"study", "io", "viz", "verification", "examples", "templates"},
     {"cli"},
 ]
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}

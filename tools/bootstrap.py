@@ -186,7 +186,10 @@ def install(venv: Path, extras: str) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Run the set-up; the exit code is 1 when it fails."""
+    """Run the set-up; the exit code is 1 when it fails, 2 when it is called in a wrong way."""
+    if len(arguments) != 3:
+        print("usage: python3 tools/bootstrap.py VENV EXTRAS STAMP", file=sys.stderr)
+        return 2
     venv, extras, stamp = Path(arguments[0]), arguments[1], Path(arguments[2])
     start = time.monotonic()
     os.environ.pop("PYTHONPATH", None)  # the environment shall not see libraries of another one
