@@ -1,0 +1,119 @@
+"""Numba as lamella uses it: compilation options, the cache of compiled kernels and the notice of a first compilation.
+
+Numba's own cache does not notice that a function called from another file has changed. Here the cache folder carries a hash of
+every source file that is compiled, so an edit anywhere in a kernel starts a fresh folder; folders left unused are removed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+from numba.core import config, event
+from numba.extending import register_jitable
+from platformdirs import user_cache_path
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+FAST_MATH = {"contract", "nsz"}
+"""Fused multiply-add and signed zeros only: NaN and infinity keep their meaning, so that a failed step is seen."""
+
+KEPT_FOLDERS = 3
+"""Cache folders of other versions that are kept beside the one in use."""
+
+
+def _source_hash() -> str:
+    """Hash of all source files of the package that take part in compilation, and of Numba's version."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    package = Path(__file__).parent
+    for path in sorted(package.rglob("*.py")):
+        text = path.read_bytes()
+        if path.name in ("_jit.py", "lane.py") or b"lamella._jit" in text:
+            digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
+    return digest.hexdigest()[:16]
+
+
+def _prune(parent: Path, current: Path) -> None:
+    """Remove all but the most recently used cache folders of other versions."""
+    others = [path for path in parent.iterdir() if path.is_dir() and path != current]
+    others.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in others[KEPT_FOLDERS:]:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def _writable(folder: Path) -> bool:
+    """Create the folder, mark it as used now, and say whether files can be written to it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            os.utime(folder)
+    except OSError:
+        return False
+    return True
+
+
+def _cache_folder() -> Path:
+    """Folder of the compiled kernels of these sources: in the user's cache, else below the folder for temporary files."""
+    key = _source_hash()
+    for parent in (user_cache_path("lamella") / "kernels", Path(tempfile.gettempdir()) / f"lamella-kernels-{os.getuid()}"):
+        if _writable(parent / key):
+            _prune(parent, parent / key)
+            return parent / key
+    return Path(tempfile.mkdtemp(prefix="lamella-kernels-"))
+
+
+CACHE_FOLDER = _cache_folder()
+
+
+def njit(function: Function) -> Function:
+    """Compile a kernel without the interpreter; the machine code is cached in :data:`CACHE_FOLDER`."""
+    user_setting = config.CACHE_DIR
+    config.CACHE_DIR = str(CACHE_FOLDER)  # read once, while the function is decorated; other packages keep their setting
+    try:
+        return numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy")(function)
+    finally:
+        config.CACHE_DIR = user_setting
+
+
+def inlined(function: Function) -> Function:
+    """Let compiled kernels call a function, inserted in place, while Python still calls it as it stands (also with arrays)."""
+    return register_jitable(forceinline=True, fastmath=FAST_MATH, error_model="numpy")(function)
+
+
+class _Announcer(event.Listener):
+    """Says once that kernels are being compiled and, at the end, how long it took."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self.say, self.started, self.depth = say, 0.0, 0
+
+    def on_start(self, event: event.Event) -> None:
+        """Tell about the first compilation."""
+        if not self.started:
+            self.started = time.perf_counter()
+            self.say("compiling kernels (first run only, about 20 s) ...")
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing to say: the end of one kernel is rarely the end of all."""
+
+
+@contextmanager
+def announced(say: Callable[[str], None]) -> Iterator[None]:
+    """Call ``say`` with a message as soon as a kernel has to be compiled within the context; with a warm cache it stays silent.
+
+    Args:
+        say: takes the message, for example a function that prints to the standard error stream.
+    """
+    listener = _Announcer(say)
+    event.register("numba:compile", listener)
+    try:
+        yield
+    finally:
+        event.unregister("numba:compile", listener)

@@ -1,0 +1,53 @@
+"""Element arrays in groups of eight, as the kernels read them: (block, entry, 8), the last block filled up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lamella.lane import WIDTH
+from lamella.roles import Floats, Ints
+
+
+def aligned(size: int) -> Floats:
+    """A flat array of zeros whose first entry starts a cache line, so that no lane lies across two."""
+    raw = np.zeros(size + WIDTH)
+    first = -(raw.ctypes.data // raw.itemsize) % WIDTH
+    return raw[first : first + size]
+
+
+def n_blocks(n_element: int) -> int:
+    """Blocks of eight that hold ``n_element`` elements."""
+    return -(-n_element // WIDTH)
+
+
+def _grouped(values: np.ndarray) -> np.ndarray:
+    """(block 8, ...) to (block, ..., 8)."""
+    return np.moveaxis(values.reshape(-1, WIDTH, *values.shape[1:]), 1, -1)
+
+
+def packed(values: Floats) -> Floats:
+    """Numbers of elements, shape (n_element, ...), for the kernels; the last element is repeated. Flat and aligned."""
+    missing = n_blocks(len(values)) * WIDTH - len(values)
+    full = _grouped(np.concatenate([values, np.repeat(values[-1:], missing, axis=0)]))
+    out = aligned(full.size)
+    out[:] = full.reshape(-1)
+    return out
+
+
+def packed_indices(indices: Ints) -> Ints:
+    """As :func:`packed` for indices that the kernels read: the last element is repeated. Flat."""
+    missing = n_blocks(len(indices)) * WIDTH - len(indices)
+    return np.ascontiguousarray(_grouped(np.concatenate([indices, np.repeat(indices[-1:], missing, axis=0)]))).reshape(-1)
+
+
+def packed_targets(coords: Ints) -> Ints:
+    """As :func:`packed` for coordinates that the assembly reads: -1 for elements that only fill up. Flat."""
+    missing = n_blocks(len(coords)) * WIDTH - len(coords)
+    filler = np.full((missing, *coords.shape[1:]), -1, np.int64)
+    return np.ascontiguousarray(_grouped(np.concatenate([coords, filler]))).reshape(-1)
+
+
+def unpacked(values: Floats, n_element: int) -> Floats:
+    """Back from the kernels' layout to (n_element, entry)."""
+    blocks = n_blocks(n_element)
+    return values.reshape(blocks, -1, WIDTH).transpose(0, 2, 1).reshape(blocks * WIDTH, -1)[:n_element]

@@ -1,0 +1,127 @@
+"""Contraction of the Hessians at the Gauss points to element tangents, one direction after the other (sum factorisation).
+
+For a pair of components (c, d) the entries are
+
+    K[(a, b), (a', b')] = sum_ij sum_uv phi_a^(p)(xi_i) phi_b^(q)(eta_j) H_uv(i, j) phi_a'^(p')(xi_i) phi_b'^(q')(eta_j)
+
+where u = (p, q) and v = (p', q') run over the five derivatives (1,0), (0,1), (2,0), (0,2), (1,1). The sum over j and the
+derivatives by eta comes first, for all nine (p, p'), the sum over i second; sums are held in registers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lamella._jit import inlined, njit
+from lamella.lane import load, spread, store
+from lamella.roles import Floats
+
+
+@inlined
+def _z_row(hessian: Floats, at: int, v: int, f0: float, f1: float, f2: float, work: Floats, z: int) -> None:
+    """Contract column v of a Hessian with phi_b(eta): rows of equal derivative by xi are merged."""
+    store(work, z + v * 8, f1 * load(hessian, at + (5 + v) * 8) + f2 * load(hessian, at + (15 + v) * 8))
+    store(work, z + (5 + v) * 8, f0 * load(hessian, at + v * 8) + f1 * load(hessian, at + (20 + v) * 8))
+    store(work, z + (10 + v) * 8, f0 * load(hessian, at + (10 + v) * 8))
+
+
+@inlined
+def _t_row(t: Any, z: Any, f0: float, f1: float, f2: float) -> Any:
+    return (t[0] + f1 * z[1] + f2 * z[3], t[1] + f0 * z[0] + f1 * z[4], t[2] + f0 * z[2])
+
+
+@inlined
+def _load5(work: Floats, at: int) -> Any:
+    return (load(work, at), load(work, at + 8), load(work, at + 16), load(work, at + 24), load(work, at + 32))
+
+
+@inlined
+def _store3(work: Floats, at: int, t: Any) -> None:
+    store(work, at, t[0])
+    store(work, at + 8, t[1])
+    store(work, at + 16, t[2])
+
+
+@njit
+def contract_eta(work: Floats, hessian: int, z: int, target: int, table: Floats, n: int, i: int, symmetric: bool) -> None:
+    """Contract the Hessians on a line xi = const with phi_b(eta) phi_b'(eta).
+
+    work[target:] gets (b, b', i, derivative of the row, derivative of the column); b' >= b suffices when symmetric.
+    """
+    zero = spread(0.0)
+    for b in range(4):
+        for j in range(n):
+            f0, f1, f2 = table[12 * j + b], table[12 * j + 4 + b], table[12 * j + 8 + b]
+            for v in range(5):
+                _z_row(work, hessian + j * 200, v, f0, f1, f2, work, z + j * 120)
+        for pair in range(b // 2 if symmetric else 0, 2):
+            t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+            u0, u1, u2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+            for j in range(n):
+                k = 12 * j + 2 * pair
+                z0, z1, z2 = _load5(work, z + j * 120), _load5(work, z + j * 120 + 40), _load5(work, z + j * 120 + 80)
+                f0, f1, f2 = table[k], table[k + 4], table[k + 8]
+                t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
+                f0, f1, f2 = table[k + 1], table[k + 5], table[k + 9]
+                u0, u1, u2 = _t_row(u0, z0, f0, f1, f2), _t_row(u1, z1, f0, f1, f2), _t_row(u2, z2, f0, f1, f2)
+            at = target + ((4 * b + 2 * pair) * n + i) * 72
+            _store3(work, at, t0)
+            _store3(work, at + 24, t1)
+            _store3(work, at + 48, t2)
+            _store3(work, at + n * 72, u0)
+            _store3(work, at + n * 72 + 24, u1)
+            _store3(work, at + n * 72 + 48, u2)
+
+
+@inlined
+def _k_row(k: Any, t: Any, table: Floats, i: int, a: int) -> Any:
+    """Add the contribution of points xi_i to the entries (a, a' = 0 1 2 3)."""
+    f, s, c = table[i + a], table[i + 4 + a], table[i + 8 + a]
+    y0 = f * t[0] + s * t[3] + c * t[6]
+    y1 = f * t[1] + s * t[4] + c * t[7]
+    y2 = f * t[2] + s * t[5] + c * t[8]
+    return (
+        k[0] + table[i] * y0 + table[i + 4] * y1 + table[i + 8] * y2,
+        k[1] + table[i + 1] * y0 + table[i + 5] * y1 + table[i + 9] * y2,
+        k[2] + table[i + 2] * y0 + table[i + 6] * y1 + table[i + 10] * y2,
+        k[3] + table[i + 3] * y0 + table[i + 7] * y1 + table[i + 11] * y2,
+    )
+
+
+@inlined
+def _load9(work: Floats, at: int) -> Any:
+    return (
+        load(work, at), load(work, at + 8), load(work, at + 16), load(work, at + 24), load(work, at + 32),
+        load(work, at + 40), load(work, at + 48), load(work, at + 56), load(work, at + 64),
+    )  # fmt: skip
+
+
+@inlined
+def _store_row(k: Floats, at: int, row: Any, first: int) -> int:
+    """Store the entries a' >= first of a row; the position after them."""
+    for m in range(first, 4):
+        store(k, at + 8 * (m - first), row[m])
+    return at + 8 * (4 - first)
+
+
+@njit
+def contract_xi(work: Floats, source: int, table: Floats, n: int, k: Floats, at: int, symmetric: bool) -> int:
+    """Contract the result of :func:`contract_eta` with phi_a(xi) phi_a'(xi) and store entries (b, b', a, a') from k[at:].
+
+    When symmetric, b' >= b, and a' >= a where b' = b. Returns the position after the last entry.
+    """
+    zero = spread(0.0)
+    for b in range(4):
+        for b2 in range(b if symmetric else 0, 4):
+            k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
+            k2, k3 = (zero, zero, zero, zero), (zero, zero, zero, zero)
+            for i in range(n):
+                t = _load9(work, source + ((4 * b + b2) * n + i) * 72)
+                k0, k1 = _k_row(k0, t, table, 12 * i, 0), _k_row(k1, t, table, 12 * i, 1)
+                k2, k3 = _k_row(k2, t, table, 12 * i, 2), _k_row(k3, t, table, 12 * i, 3)
+            upper = symmetric and b == b2
+            at = _store_row(k, at, k0, 0)
+            at = _store_row(k, at, k1, 1 if upper else 0)
+            at = _store_row(k, at, k2, 2 if upper else 0)
+            at = _store_row(k, at, k3, 3 if upper else 0)
+    return at

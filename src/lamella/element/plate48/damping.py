@@ -1,0 +1,107 @@
+"""Damping of Plate48 shells: Kelvin-Voigt on the strains, and mass-proportional."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from lamella.element.packing import aligned
+from lamella.element.plate48 import damping_kernels as kernels
+from lamella.element.plate48.entries import all_entries
+from lamella.element.plate48.layout import GaussTables, Plate48Block
+from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
+
+
+class KelvinVoigtBlock(Plate48Block):
+    """Viscous resultants c C dE/dt on the strains E = (eps, kap): f = int (dE/dq)^T c C dE/dt dA.
+
+    Rigid motion has no strain rate, so it is not damped. The tangent is not symmetric, but its unsymmetric part is small.
+
+    Args:
+        name: name of the body, for messages.
+        coords: global coordinates of each element in element order, shape (n_element, 48).
+        scale: factors from global to element coordinates, shape (n_element, 48).
+        reference: unscaled stress-free coordinates, shape (n_element, 48).
+        stiffness: section stiffness [[A, -B], [-B, D]] as in :class:`ShellBlock`.
+        time: retardation time c [s].
+        n_gauss: Gauss points in each direction.
+
+    Raises:
+        ModelError: shapes do not agree, or the reference surface has no area.
+    """
+
+    symmetry: Symmetry = "nearly"
+    depends_on_velocity = True
+
+    def __init__(
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, time: float, n_gauss: int = 4
+    ) -> None:
+        super().__init__(name, coords, scale, reference, *all_entries())
+        tables = GaussTables(self, time * np.asarray(stiffness, float), n_gauss)
+        self._tables: tuple[Any, ...] = (self._index, self._scale, tables.sections, tables.table, tables.n)
+        self._work, self._power = aligned(kernels.viscous_work_size(n_gauss)), aligned(8 * self.n_block)
+        self._unused = np.empty(len(self.f_coords))
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Viscous force."""
+        kernels.viscous_force(q, v, *self._tables, self._work, f, self._power)
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        """Viscous force and its exact tangent."""
+        self.force(t, q, v, f)
+        kernels.viscous_tangent(q, v, alpha_q, alpha_v, *self._tables, self._work, k)
+
+    def energy(self, t: float, q: Floats) -> float:
+        """No potential."""
+        return 0.0
+
+    def dissipation(self, t: float, q: Floats, v: Floats) -> float:
+        """Power int dE/dt . c C dE/dt dA [W]."""
+        self.force(t, q, v, self._unused)
+        return float(self._power[: self.n_element].sum())
+
+
+class MassDampingBlock(ForceBlock):
+    """Force c M v, which damps every motion, rigid motion too.
+
+    Args:
+        name: name of the body, for messages.
+        inertia: gives M.
+        rate: c [1/s].
+    """
+
+    depends_on_velocity = True
+
+    def __init__(self, name: str, inertia: InertiaBlock, rate: float) -> None:
+        self.name = name
+        rows, columns, values = inertia.mass()
+        self.f_coords = np.unique(rows)
+        local = (np.searchsorted(self.f_coords, rows), np.searchsorted(self.f_coords, columns))
+        self._matrix = csr_array((rate * values, local), shape=(len(self.f_coords), len(self.f_coords)))
+        upper = rows <= columns
+        self.k_rows, self.k_cols, self._values = rows[upper], columns[upper], rate * values[upper]
+        self.f_scale, self.k_scale = np.ones(len(self.f_coords)), np.ones(len(self.k_rows))
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """The force c M v."""
+        f[:] = self._matrix @ v[self.f_coords]
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        """The force and alpha_v c M."""
+        self.force(t, q, v, f)
+        np.multiply(self._values, alpha_v, out=k)
+
+    def energy(self, t: float, q: Floats) -> float:
+        """No potential."""
+        return 0.0
+
+    def dissipation(self, t: float, q: Floats, v: Floats) -> float:
+        """Power c v . M v [W]."""
+        own = v[self.f_coords]
+        return float(own @ (self._matrix @ own))

@@ -1,0 +1,193 @@
+"""Second derivative of the strain energy at one point of a surface, see :mod:`lamella.element.plate48.strain`.
+
+The 15 x 15 matrix consists of 5 x 5 blocks of 3 x 3, one for each pair of r_x, r_y, r_xx, r_yy, r_xy. Each block is a sum of few
+dyads, so 23 vectors hold all of it: :func:`hessian_factors` computes them, :func:`hessian_entries` multiplies two of their
+components out.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lamella._jit import inlined
+from lamella.element.plate48.strain import Vector, combined, dot, moment_vector, scaled
+from lamella.lane import load, store
+from lamella.roles import Floats
+
+
+@inlined
+def combined3(a: Any, u: Vector, b: Any, v: Vector, c: Any, w: Vector) -> Vector:
+    """Sum a u + b v + c w."""
+    return (a * u[0] + b * v[0] + c * w[0], a * u[1] + b * v[1] + c * w[1], a * u[2] + b * v[2] + c * w[2])
+
+
+@inlined
+def inner3(c0: Any, c1: Any, c2: Any, u: Vector) -> Any:
+    """Sum c0 u_0 + c1 u_1 + c2 u_2."""
+    return c0 * u[0] + c1 * u[1] + c2 * u[2]
+
+
+@inlined
+def hessian_factors(
+    g: tuple[Vector, ...], n0: Vector, d1: Vector, d2: Vector, c: tuple[Any, ...], n: tuple[Any, ...]
+) -> tuple[Vector, ...]:
+    """The vectors whose dyads make up the Hessian.
+
+    Args:
+        g: r_x, r_y, r_xx, r_yy, r_xy.
+        n0: unit normal.
+        d1: first dual vector.
+        d2: second dual vector.
+        c: 21 upper entries of the stiffness C.
+        n: the six resultants of the geometric part.
+
+    Returns:
+        r_x, r_y, n0, d1, d2, five products of C with r_x and r_y, four vectors that pair with n0 in the blocks of r_x, r_y, six
+        that do so in the blocks of these with second derivatives, and N_4 n0, N_5 n0, N_6 n0.
+    """
+    p = moment_vector(g, n)
+    gamma1, gamma2 = (dot(g[2], d1), dot(g[3], d1), dot(g[4], d1)), (dot(g[2], d2), dot(g[3], d2), dot(g[4], d2))
+    # rows of the coupling (membrane m, bending a) and bending stiffness times the Christoffel symbols
+    z11, z12 = inner3(c[3], c[4], c[5], gamma1), inner3(c[3], c[4], c[5], gamma2)
+    z21, z22 = inner3(c[8], c[9], c[10], gamma1), inner3(c[8], c[9], c[10], gamma2)
+    z31, z32 = inner3(c[12], c[13], c[14], gamma1), inner3(c[12], c[13], c[14], gamma2)
+    x1 = (inner3(c[15], c[16], c[17], gamma1), inner3(c[16], c[18], c[19], gamma1), inner3(c[17], c[19], c[20], gamma1))
+    x2 = (inner3(c[15], c[16], c[17], gamma2), inner3(c[16], c[18], c[19], gamma2), inner3(c[17], c[19], c[20], gamma2))
+    q, p1, p2 = dot(p, n0), dot(p, d1), dot(p, d2)
+    w11 = 0.5 * (dot(x1, gamma1) - q * dot(d1, d1))
+    w12 = 0.5 * (dot(x1, gamma2) - q * dot(d1, d2))
+    w22 = 0.5 * (dot(x2, gamma2) - q * dot(d2, d2))
+    l11 = combined3(p1, d1, w11, n0, -1.0, combined(z11, g[0], z31, g[1]))
+    l12 = combined3(p1, d2, w12, n0, -1.0, combined(z12, g[0], z32, g[1]))
+    l21 = combined3(p2, d1, w12, n0, -1.0, combined(z31, g[0], z21, g[1]))
+    l22 = combined3(p2, d2, w22, n0, -1.0, combined(z32, g[0], z22, g[1]))
+    return (
+        g[0],
+        g[1],
+        n0,
+        d1,
+        d2,
+        combined(c[0], g[0], c[2], g[1]),
+        combined(c[2], g[0], c[11], g[1]),
+        combined(c[7], g[0], c[6], g[1]),
+        combined(c[11], g[0], c[7], g[1]),
+        combined(c[2], g[0], c[1], g[1]),
+        l11,
+        l12,
+        l21,
+        l22,
+        combined3(c[3], g[0], c[12], g[1], -x1[0], n0),
+        combined3(c[4], g[0], c[13], g[1], -x1[1], n0),
+        combined3(c[5], g[0], c[14], g[1], -x1[2], n0),
+        combined3(c[12], g[0], c[8], g[1], -x2[0], n0),
+        combined3(c[13], g[0], c[9], g[1], -x2[1], n0),
+        combined3(c[14], g[0], c[10], g[1], -x2[2], n0),
+        scaled(n[3], n0),
+        scaled(n[4], n0),
+        scaled(n[5], n0),
+    )
+
+
+@inlined
+def component(vectors: tuple[Vector, ...], k: int) -> tuple[Any, ...]:
+    """Component k of the 23 vectors of :func:`hessian_factors`."""
+    v = vectors
+    return (
+        v[0][k], v[1][k], v[2][k], v[3][k], v[4][k], v[5][k], v[6][k], v[7][k], v[8][k], v[9][k], v[10][k], v[11][k],
+        v[12][k], v[13][k], v[14][k], v[15][k], v[16][k], v[17][k], v[18][k], v[19][k], v[20][k], v[21][k], v[22][k],
+    )  # fmt: skip
+
+
+@inlined
+def hessian_entries(u: tuple[Any, ...], v: tuple[Any, ...], c: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The 25 entries of the Hessian for one pair of components, without the multiples of the unit matrix.
+
+    Args:
+        u: component of the first (row) vector, from :func:`component`.
+        v: component of the second (column) vector.
+        c: 21 upper entries of the stiffness.
+
+    Returns:
+        d2W / d(g_i)_u d(g_j)_v at position 5 i + j, with g = r_x, r_y, r_xx, r_yy, r_xy.
+    """
+    nn = u[2] * v[2]
+    e33, e34, e35, e44, e45, e55 = c[15] * nn, c[16] * nn, c[17] * nn, c[18] * nn, c[19] * nn, c[20] * nn
+    return (
+        u[0] * v[5] + u[1] * v[6] + u[10] * v[2] + u[2] * v[10],
+        u[0] * v[9] + u[1] * v[8] + u[11] * v[2] + u[2] * v[12],
+        u[14] * v[2] - u[20] * v[3],
+        u[15] * v[2] - u[21] * v[3],
+        u[16] * v[2] - u[22] * v[3],
+        u[9] * v[0] + u[8] * v[1] + u[2] * v[11] + u[12] * v[2],
+        u[1] * v[7] + u[0] * v[8] + u[13] * v[2] + u[2] * v[13],
+        u[17] * v[2] - u[20] * v[4],
+        u[18] * v[2] - u[21] * v[4],
+        u[19] * v[2] - u[22] * v[4],
+        u[2] * v[14] - u[3] * v[20],
+        u[2] * v[17] - u[4] * v[20],
+        e33,
+        e34,
+        e35,
+        u[2] * v[15] - u[3] * v[21],
+        u[2] * v[18] - u[4] * v[21],
+        e34,
+        e44,
+        e45,
+        u[2] * v[16] - u[3] * v[22],
+        u[2] * v[19] - u[4] * v[22],
+        e35,
+        e45,
+        e55,
+    )  # fmt: skip
+
+
+@inlined
+def store25(array: Floats, at: int, h: Any) -> None:
+    """Store 25 lanes."""
+    store(array, at, h[0])
+    store(array, at + 8, h[1])
+    store(array, at + 16, h[2])
+    store(array, at + 24, h[3])
+    store(array, at + 32, h[4])
+    store(array, at + 40, h[5])
+    store(array, at + 48, h[6])
+    store(array, at + 56, h[7])
+    store(array, at + 64, h[8])
+    store(array, at + 72, h[9])
+    store(array, at + 80, h[10])
+    store(array, at + 88, h[11])
+    store(array, at + 96, h[12])
+    store(array, at + 104, h[13])
+    store(array, at + 112, h[14])
+    store(array, at + 120, h[15])
+    store(array, at + 128, h[16])
+    store(array, at + 136, h[17])
+    store(array, at + 144, h[18])
+    store(array, at + 152, h[19])
+    store(array, at + 160, h[20])
+    store(array, at + 168, h[21])
+    store(array, at + 176, h[22])
+    store(array, at + 184, h[23])
+    store(array, at + 192, h[24])
+
+
+@inlined
+def store_diagonal(array: Floats, at: int, u: Any, c: Any, n: Any) -> None:
+    """Store the Hessian of a component with itself, which has the multiples of the unit matrix."""
+    store25(array, at, hessian_entries(u, u, c))
+    store(array, at, load(array, at) + n[0])
+    store(array, at + 8, load(array, at + 8) + n[2])
+    store(array, at + 40, load(array, at + 40) + n[2])
+    store(array, at + 48, load(array, at + 48) + n[1])
+
+
+@inlined
+def store_hessian(work: Floats, at: int, step: int, factors: Any, c: Any, n: Any) -> None:
+    """Store the Hessian of a Gauss point, one group of 25 for each pair of components xx, xy, xz, yy, yz, zz."""
+    x, y, z = component(factors, 0), component(factors, 1), component(factors, 2)
+    store_diagonal(work, at, x, c, n)
+    store25(work, at + step, hessian_entries(x, y, c))
+    store25(work, at + 2 * step, hessian_entries(x, z, c))
+    store_diagonal(work, at + 3 * step, y, c, n)
+    store25(work, at + 4 * step, hessian_entries(y, z, c))
+    store_diagonal(work, at + 5 * step, z, c, n)

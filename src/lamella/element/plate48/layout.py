@@ -1,0 +1,76 @@
+"""What all force blocks of Plate48 share: element tables for the kernels and the map of their buffers to global coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets
+from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order
+from lamella.element.plate48.surface import derivatives_at_points, reference_surface, strain_transform_6
+from lamella.errors import ModelError
+from lamella.roles import Floats, ForceBlock, Ints
+
+
+class Plate48Block(ForceBlock):
+    """Element tables of a group of Plate48 elements, packed for the kernels.
+
+    Args:
+        name: name of the body, for messages.
+        coords: global coordinate of each element coordinate, in element order, shape (n_element, 48).
+        scale: factors from global to element coordinates, l_x^px l_y^py, shape (n_element, 48).
+        reference: global coordinates of the stress-free configuration, shape (n_element, 48).
+        rows: row (a, b, component) of each entry of the tangent buffer of an element, shape (n_entry,).
+        columns: its column.
+
+    Raises:
+        ModelError: the shapes do not agree.
+    """
+
+    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, rows: Ints, columns: Ints) -> None:
+        self.name = name
+        if not coords.shape == scale.shape == reference.shape == (len(coords), 48):
+            raise ModelError(
+                f"{name}: element tables have shapes {coords.shape}, {scale.shape}, {reference.shape}; each must be (n, 48)"
+            )
+        order = product_order()
+        self.rest = np.asarray(reference, float) * scale
+        coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
+        self.n_element, self.n_block = len(coords), n_blocks(len(coords))
+        self._index, self._scale = packed_indices(coords), packed(scale)
+        self.f_coords, self.f_scale = packed_targets(coords), self._scale
+        self.k_rows, self.k_cols = packed_targets(coords[:, rows]), packed_targets(coords[:, columns])
+        self.k_scale = packed(scale[:, rows] * scale[:, columns])
+
+
+class GaussTables:
+    """Constants of the Gauss points for the kernels.
+
+    Args:
+        block: the elements.
+        stiffness: section stiffness for (eps, kap), [[A, -B], [-B, D]], in the local orthonormal frame whose first axis is the
+            reference r_x, shape (6, 6) or (n_element, 6, 6).
+        n_gauss: points in each direction.
+
+    Raises:
+        ModelError: the stiffness has a wrong shape or is not symmetric, or the reference surface has no area.
+    """
+
+    def __init__(self, block: Plate48Block, stiffness: Floats, n_gauss: int) -> None:
+        stiffness = np.asarray(stiffness, float)
+        if stiffness.shape not in ((6, 6), (block.n_element, 6, 6)):
+            raise ModelError(
+                f"{block.name}: stiffness has shape {stiffness.shape}; accepted is (6, 6) or ({block.n_element}, 6, 6)"
+            )
+        if not np.allclose(stiffness, stiffness.swapaxes(-1, -2), rtol=1e-9, atol=1e-12 * np.abs(stiffness).max()):
+            raise ModelError(f"{block.name}: the section stiffness is not symmetric")
+        if not 2 <= n_gauss <= 10:
+            raise ModelError(f"{block.name}: n_gauss = {n_gauss}; accepted is 2 to 10 Gauss points in each direction")
+        xi, eta, weights = gauss_points(n_gauss)
+        surface = reference_surface(block.name, derivatives_at_points(Plate48().shape(xi, eta), block.rest))
+        transform = strain_transform_6(surface.transform)
+        section = stiffness if stiffness.ndim == 2 else stiffness[:, None]
+        at_points = transform.swapaxes(-1, -2) @ section @ transform * (weights * surface.area)[..., None, None]
+        upper = np.triu_indices(6)
+        halved = surface.first * np.array([0.5, 0.5, 1.0])
+        self.sections = packed(np.concatenate([at_points[..., upper[0], upper[1]], halved, surface.second], axis=-1))
+        self.table, self.n = hermite_table(n_gauss), n_gauss

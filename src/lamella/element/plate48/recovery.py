@@ -1,0 +1,68 @@
+"""Positions, normals and strains of a shell at any point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.element.base import ElementSpec
+from lamella.element.plate48.strain import strains, surface_frame
+from lamella.element.plate48.surface import reference_surface, strain_transform_6
+from lamella.roles import Floats, Ints
+
+
+@dataclass(frozen=True)
+class ShellPoints:
+    """A shell at n points.
+
+    Args:
+        r: positions [m], shape (n, 3).
+        n: unit normals, shape (n, 3).
+        strains: (eps_11, eps_22, 2 eps_12 [-], kap_11, kap_22, 2 kap_12 [1/m]) in the local orthonormal frame whose first
+            axis is the reference r_x, shape (n, 6).
+    """
+
+    r: Floats
+    n: Floats
+    strains: Floats
+
+
+class ShellRecovery:
+    """Evaluates the elements of a shell at any point of theirs.
+
+    Args:
+        element: the finite element.
+        coords: global coordinates of each element in element order, shape (n_element, n_coordinate).
+        scale: factors from global to element coordinates, shape (n_element, n_coordinate).
+        reference: unscaled reference coordinates, shape (n_element, n_coordinate).
+    """
+
+    def __init__(self, element: ElementSpec, coords: Ints, scale: Floats, reference: Floats) -> None:
+        self._element, self._coords, self._scale = element, np.asarray(coords), np.asarray(scale, float)
+        self._rest = np.asarray(reference, float) * self._scale
+
+    def at(self, q: Floats, element: Ints, xi: Floats, eta: Floats) -> ShellPoints:
+        """Position, unit normal and strains.
+
+        Args:
+            q: global coordinates, shape (n_q,).
+            element: number of the element of each point, shape (n,).
+            xi: first element coordinate in [0, 1], shape (n,).
+            eta: second element coordinate in [0, 1], shape (n,).
+        """
+        element = np.asarray(element)
+        shape = self._element.shape(xi, eta)
+        now = self._derivatives(shape, q[self._coords[element]] * self._scale[element])
+        reference = reference_surface("strain recovery", self._derivatives(shape, self._rest[element]))
+        constants = np.concatenate([reference.first * np.array([0.5, 0.5, 1.0]), reference.second], axis=-1)
+        g = tuple(tuple(now[d].T) for d in (1, 2, 3, 5, 4))
+        n0 = surface_frame(g[0], g[1])[0]
+        covariant = np.stack(strains(g, n0, tuple(constants.T)), axis=-1)
+        local = np.einsum("nij,nj->ni", strain_transform_6(reference.transform), covariant)
+        return ShellPoints(now[0], np.stack(n0, axis=-1), local)
+
+    @staticmethod
+    def _derivatives(shape: Floats, coordinates: Floats) -> Floats:
+        """Position and its derivatives at the points, shape (6, n, 3)."""
+        return np.einsum("dns,nsc->dnc", shape, coordinates.reshape(len(coordinates), -1, 3))

@@ -1,0 +1,99 @@
+"""Geometry of the reference surface: metric, curvature, area and the local orthonormal frame.
+
+The first axis of the local frame is the direction of the reference r_x, the third is the unit normal. Strains that refer to the
+parameters xi, eta are components on the dual basis G^1, G^2 of the surface; with J^a_i = G^a . e_i they become
+
+    E_ij = J^a_i J^b_j E_ab
+
+in the local frame, a constant 3 x 3 matrix T for (E_11, E_22, 2 E_12).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.errors import ModelError
+from lamella.roles import Floats
+
+
+@dataclass(frozen=True)
+class ReferenceSurface:
+    """The reference surface at points; every array has the shape (..., ) of the points in front.
+
+    Args:
+        area: |R_xi x R_eta|, area for a unit of xi eta [m^2].
+        first: A11, A22, A12 of the parameters xi, eta [m^2], shape (..., 3).
+        second: B11, B22, B12 [m], shape (..., 3).
+        transform: T, from (E_11, E_22, 2 E_12) of the parameters to the local orthonormal frame [1/m^2], shape (..., 3, 3).
+    """
+
+    area: Floats
+    first: Floats
+    second: Floats
+    transform: Floats
+
+
+def derivatives_at_points(shape: Floats, coordinates: Floats) -> Floats:
+    """Position and its derivatives at the same points of every element.
+
+    Args:
+        shape: S, S_xi, S_eta, S_xixi, S_xieta, S_etaeta, shape (6, n, n_shape).
+        coordinates: scaled coordinates, shape (n_element, 3 n_shape).
+
+    Returns:
+        Shape (6, n_element, n, 3).
+    """
+    vectors = coordinates.reshape(len(coordinates), -1, 3)
+    return np.einsum("dgs,esc->degc", shape, vectors, optimize=True)
+
+
+def reference_surface(item: str, derivatives: Floats) -> ReferenceSurface:
+    """Geometry of the reference surface.
+
+    Args:
+        item: what is being built, for messages.
+        derivatives: R, R_xi, R_eta, R_xixi, R_xieta, R_etaeta at the points, shape (6, n_element, ..., 3).
+
+    Raises:
+        ModelError: the reference surface has no normal at a point of an element.
+    """
+    r_x, r_y, r_xx, r_xy, r_yy = derivatives[1:]
+    normal = np.cross(r_x, r_y)
+    area = np.linalg.norm(normal, axis=-1)
+    lengths = np.linalg.norm(r_x, axis=-1) * np.linalg.norm(r_y, axis=-1)
+    bad = np.argwhere(~(area > 1e-6 * lengths))
+    if len(bad):
+        raise ModelError(
+            f"{item}: element {bad[0, 0]} has no area in the reference configuration; r_x and r_y must not be parallel"
+        )
+    n0 = normal / area[..., None]
+    first = np.stack([(r_x * r_x).sum(-1), (r_y * r_y).sum(-1), (r_x * r_y).sum(-1)], axis=-1)
+    second = np.stack([(r_xx * n0).sum(-1), (r_yy * n0).sum(-1), (r_xy * n0).sum(-1)], axis=-1)
+    return ReferenceSurface(area, first, second, _strain_transform(r_x, r_y, n0, area))
+
+
+def _strain_transform(r_x: Floats, r_y: Floats, n0: Floats, area: Floats) -> Floats:
+    """The matrix T of the module's docstring."""
+    e_1 = r_x / np.linalg.norm(r_x, axis=-1, keepdims=True)
+    e_2 = np.cross(n0, e_1)
+    dual_1, dual_2 = np.cross(r_y, n0) / area[..., None], np.cross(n0, r_x) / area[..., None]
+    a, b, c, d = ((dual * axis).sum(-1) for axis in (e_1, e_2) for dual in (dual_1, dual_2))
+    rows = [[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def strain_transform_6(transform: Floats) -> Floats:
+    """Transform of the kernels' six strains (E_11, E_22, 2 E_12, K_11, K_22, K_12) to (eps, kap) with doubled shear and twist.
+
+    Args:
+        transform: T, shape (..., 3, 3).
+
+    Returns:
+        Shape (..., 6, 6).
+    """
+    full = np.zeros((*transform.shape[:-2], 6, 6))
+    full[..., :3, :3] = transform
+    full[..., 3:, 3:] = transform * np.array([1.0, 1.0, 2.0])
+    return full

@@ -1,0 +1,144 @@
+"""A vector of eight numbers for compiled kernels, one for each of eight elements that are computed together.
+
+Numba maps ``Lane`` to LLVM's ``<8 x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for eight
+elements at once; a number combined with a lane counts for all eight. Lanes live in kernels only: they are loaded from and stored
+to groups of eight consecutive entries of a flat float64 array.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.datamodel import PrimitiveModel
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, overload, register_model
+
+WIDTH = 8
+"""Elements that are computed together."""
+
+_VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+_FLAGS = ("contract", "nsz")
+_BINARY = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
+
+
+class LaneType(types.Type):
+    """Numba's type of a vector of eight float64."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lane")
+
+
+Lane = LaneType()
+
+
+@register_model(LaneType)
+class LaneModel(PrimitiveModel):
+    """A lane is held in one vector register."""
+
+    def __init__(self, dmm: Any, fe_type: types.Type) -> None:
+        super().__init__(dmm, fe_type, _VECTOR)
+
+
+def _spread(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
+    """The same number in all eight places."""
+    one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
+    return builder.shuffle_vector(one, ir.Constant(_VECTOR, ir.Undefined), zeros)
+
+
+def _as_lane(builder: ir.IRBuilder, value: ir.Value) -> ir.Value:
+    return value if value.type == _VECTOR else _spread(builder, value)
+
+
+def _register_binary(function: Any, instruction: str) -> None:
+    """Teach Numba one operator for lane with lane and lane with number."""
+    operands = ((Lane, Lane), (Lane, types.float64), (types.float64, Lane))
+
+    def lower(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+        left, right = (_as_lane(builder, value) for value in args)
+        return getattr(builder, instruction)(left, right, flags=_FLAGS)
+
+    infer_global(function)(
+        type(f"Lane_{instruction}", (ConcreteTemplate,), {"cases": [signature(Lane, *pair) for pair in operands]})
+    )
+    for pair in operands:
+        lower_builtin(function, *pair)(lower)
+
+
+for _function, _instruction in _BINARY.items():
+    _register_binary(_function, _instruction)
+
+
+@infer_global(operator.neg)
+class _LaneNegation(ConcreteTemplate):
+    cases = [signature(Lane, Lane)]  # noqa: RUF012 - Numba's own form of a template
+
+
+@lower_builtin(operator.neg, Lane)
+def _lower_negation(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+    return builder.fneg(args[0], flags=_FLAGS)
+
+
+@intrinsic
+def _lane_sqrt(typing_context: Any, value: types.Type) -> Any:
+    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+        function_type = ir.FunctionType(_VECTOR, [_VECTOR])
+        return builder.call(cgutils.get_or_insert_function(builder.module, function_type, "llvm.sqrt.v8f64"), args)
+
+    return Lane(Lane), generate
+
+
+def sqrt(value: Any) -> Any:
+    """Square root of a number or array; in kernels also of a lane."""
+    return np.sqrt(value)
+
+
+@overload(sqrt, jit_options={"forceinline": True})
+def _overload_sqrt(value):  # noqa: ANN001, ANN202 - Numba compares this signature with that of the implementation
+    if isinstance(value, LaneType):
+        return lambda value: _lane_sqrt(value)
+    return lambda value: math.sqrt(value)
+
+
+def _vector_pointer(context: Any, builder: ir.IRBuilder, array_type: Any, array: ir.Value, index: ir.Value) -> ir.Value:
+    data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+
+
+@intrinsic
+def load(typing_context: Any, array: types.Type, index: types.Type) -> Any:
+    """``load(array, index)``: the lane of the entries index ... index + 7 of a flat contiguous float64 array."""
+
+    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1])
+        return builder.load(pointer, align=8)
+
+    return Lane(array, types.intp), generate
+
+
+@intrinsic
+def store(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
+    """``store(array, index, lane)``: write a lane, or a number for all eight, to the entries index ... index + 7."""
+
+    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1])
+        builder.store(_as_lane(builder, args[2]), pointer, align=8)
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, value), generate
+
+
+@intrinsic
+def spread(typing_context: Any, number: types.Type) -> Any:
+    """``spread(number)``: a lane holding the same number eight times."""
+
+    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+        return _spread(builder, args[0])
+
+    return Lane(types.float64), generate
