@@ -1,0 +1,91 @@
+"""lamella: flexible multibody dynamics of thin plates and shells.
+
+The public names below are imported when they are first used, so that the command line answers at once.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from lamella.body.ground import Ground as Ground
+    from lamella.body.plate import Edge as Edge
+    from lamella.body.plate import Plate as Plate
+    from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
+    from lamella.io.results import read_result as read_result
+    from lamella.joint.clamp import Clamp as Clamp
+    from lamella.joint.distance import DistanceJoint as DistanceJoint
+    from lamella.joint.support import EdgeSupport as EdgeSupport
+    from lamella.joint.support import PointSupport as PointSupport
+    from lamella.joint.support import PrescribedMotion as PrescribedMotion
+    from lamella.load.force import EdgeForce as EdgeForce
+    from lamella.load.force import PointForce as PointForce
+    from lamella.load.force import SurfaceForce as SurfaceForce
+    from lamella.load.gravity import Gravity as Gravity
+    from lamella.load.moment import EdgeMoment as EdgeMoment
+    from lamella.load.moment import PointMoment as PointMoment
+    from lamella.load.pressure import Pressure as Pressure
+    from lamella.material.isotropic import Isotropic as Isotropic
+    from lamella.material.lamina import Lamina as Lamina
+    from lamella.material.laminate import Laminate as Laminate
+    from lamella.material.laminate import Ply as Ply
+    from lamella.math.profile import Constant as Constant
+    from lamella.math.profile import Cycloid as Cycloid
+    from lamella.math.profile import Harmonic as Harmonic
+    from lamella.math.profile import Ramp as Ramp
+    from lamella.math.profile import SmoothStep as SmoothStep
+    from lamella.math.profile import Step as Step
+    from lamella.math.profile import Table as Table
+    from lamella.modal import Modes as Modes
+    from lamella.modal import modes as modes
+    from lamella.result import Outcome as Outcome
+    from lamella.result import Result as Result
+    from lamella.motion import simulate as simulate
+    from lamella.solve.arc_length import ArcLength as ArcLength
+    from lamella.solve.newton import Newton as Newton
+    from lamella.statics import equilibrium as equilibrium
+    from lamella.statics import equilibrium_path as equilibrium_path
+    from lamella.system import System as System
+
+_HOME = {
+    "body.ground": ("Ground",),
+    "body.plate": ("Edge", "Plate"),
+    "integrate.generalized_alpha": ("GeneralizedAlpha",),
+    "io.results": ("read_result",),
+    "joint.clamp": ("Clamp",),
+    "joint.distance": ("DistanceJoint",),
+    "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
+    "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),
+    "load.gravity": ("Gravity",),
+    "load.moment": ("EdgeMoment", "PointMoment"),
+    "load.pressure": ("Pressure",),
+    "material.isotropic": ("Isotropic",),
+    "material.lamina": ("Lamina",),
+    "material.laminate": ("Laminate", "Ply"),
+    "math.profile": ("Constant", "Cycloid", "Harmonic", "Ramp", "SmoothStep", "Step", "Table"),
+    "modal": ("Modes", "modes"),
+    "result": ("Outcome", "Result"),
+    "motion": ("simulate",),
+    "solve.arc_length": ("ArcLength",),
+    "solve.newton": ("Newton",),
+    "statics": ("equilibrium", "equilibrium_path"),
+    "system": ("System",),
+}
+_MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
+
+__all__ = ["__version__", *_MODULE_OF]  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'lamella' has no attribute '{name}'")
+    value = getattr(import_module(f"lamella.{_MODULE_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -21,6 +21,8 @@ class Motion(Protocol):
     def value(self, t: float) -> float: ...
     def rate(self, t: float) -> float: ...
     def acceleration(self, t: float) -> float: ...
+    @property
+    def breakpoints(self) -> tuple[float, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -62,12 +64,44 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class PointRows:
+    """A material point as a linear function of coordinate vectors x_k: r = sum_k position_k x_k + offset.
+
+    Args:
+        vectors: numbers of the coordinate vectors, shape (n,).
+        position: weights of the position, shape (n,).
+        slope_x: weights of the first tangent r_x at the point, shape (n,).
+        slope_y: weights of the second tangent r_y, shape (n,).
+        offset: constant part of the position [m], shape (3,).
+    """
+
+    vectors: Ints
+    position: Floats
+    slope_x: Floats
+    slope_y: Floats
+    offset: Floats
+
+    def at(self, vectors: Floats) -> Floats:
+        """Position [m] of the point; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
+        return self.position @ vectors[self.vectors] + self.offset
+
+    def moved(self, velocities: Floats) -> Floats:
+        """Velocity [m/s] (or virtual displacement) of the point from those of all vectors, shape (n_vectors, 3)."""
+        return self.position @ velocities[self.vectors]
+
+    def normal(self, vectors: Floats) -> Floats:
+        """Unit normal r_x x r_y / |r_x x r_y| at the point."""
+        n = np.cross(self.slope_x @ vectors[self.vectors], self.slope_y @ vectors[self.vectors])
+        return n / np.linalg.norm(n)
+
+
+@dataclass(frozen=True)
 class Support:
     """The rows of one support, with the point its reaction torque refers to."""
 
     name: str
     rows: tuple[int, ...]
-    centre: Floats
+    centre: PointRows
 
 
 @dataclass
@@ -86,6 +120,7 @@ class Build:
     supports: list[Support] = field(default_factory=list)
     signals: list[Signal] = field(default_factory=list)
     bodies: dict[str, object] = field(default_factory=dict)
+    breakpoints: list[float] = field(default_factory=list)
     n_vectors: int = 0
 
     def vectors(self, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
@@ -109,11 +144,14 @@ class Build:
         self.n_vectors += len(q)
         return first
 
-    def hold(self, name: str, rows: list[LinearRow], centre: Floats) -> None:
-        """Add a support: linear rows whose reaction force and torque about ``centre`` (3,) are reported under ``name``."""
+    def hold(self, name: str, rows: list[LinearRow], centre: PointRows) -> None:
+        """Add a support: linear rows whose reaction force, and torque about ``centre``, are reported under ``name``."""
         first = len(self.rows)
+        for row in rows:
+            if row.motion is not None:
+                self.breakpoints.extend(row.motion.breakpoints)
         self.rows.extend(rows)
-        self.supports.append(Support(name, tuple(range(first, first + len(rows))), np.asarray(centre, float)))
+        self.supports.append(Support(name, tuple(range(first, first + len(rows))), centre))
 
     def body(self, name: str) -> object:
         """The compiled form of a body, by its name."""

@@ -39,7 +39,7 @@ def to_si(value: object, unit: str) -> float:
     """
     accepted = f"accepted is a number in {unit} or text such as '1.5 {unit}'" if unit else "accepted is a plain number"
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        if not hasattr(value, "__float__"):
+        if isinstance(value, bool) or not hasattr(value, "__float__"):
             raise UnitError(f"{value!r} is not a number; {accepted}")
         value = float(value)  # type: ignore[arg-type]  # NumPy scalars
     if isinstance(value, str):
@@ -56,12 +56,14 @@ def _parse(text: str, unit: str, accepted: str) -> float:
         quantity = _registry().Quantity(text)
     except Exception as error:  # pint raises its own, tokenizer and attribute errors for malformed text
         raise UnitError(f"'{text}' is not a number with a known unit; {accepted}") from error
-    if quantity.unitless:
+    if not quantity.unit_items():  # no unit at all; '50 percent' and '1 mm/m' have one, which must be converted
         return float(quantity.magnitude)
     try:
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as error:
-        raise UnitError(f"'{text}' has the unit {quantity.units:~}, which does not convert to {unit or 'a pure number'}; {accepted}") from error
+        raise UnitError(
+            f"'{text}' has the unit {quantity.units:~}, which does not convert to {unit or 'a pure number'}; {accepted}"
+        ) from error
 
 
 def _validator(unit: str) -> BeforeValidator:
@@ -71,7 +73,7 @@ def _validator(unit: str) -> BeforeValidator:
         except UnitError as error:
             raise ValueError(str(error)) from error
 
-    return BeforeValidator(convert)
+    return BeforeValidator(convert, json_schema_input_type=float | str)
 
 
 def quantity(unit: str, **limits: float) -> Any:

@@ -1,1 +1,1 @@
-"""."""
+"""Bodies and the points, edges and frames on them."""

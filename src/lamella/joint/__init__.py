@@ -1,1 +1,1 @@
-"""."""
+"""Supports and joints: what holds points and edges of bodies."""

@@ -1,0 +1,41 @@
+"""The inertial frame as a body, so that joints can end in fixed points of space."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.body.base import Body, Marker
+from lamella.declaration import declaration
+from lamella.dofs import PointRows
+from lamella.units import Length
+
+if TYPE_CHECKING:
+    from lamella.dofs import Build
+
+
+@declaration
+class Ground(Body):
+    """The inertial frame. It has no coordinates.
+
+    Args:
+        name: name of the body.
+        markers: named points fixed in space [m].
+    """
+
+    name: str = "ground"
+    markers: dict[str, tuple[Length, Length, Length]] | None = None
+
+    def marker(self, name: str, x: float, y: float, z: float) -> Marker:
+        """A named point (x, y, z) [m] fixed in space."""
+        return Marker(self, name, (x, y, z))
+
+    def contribute(self, build: Build) -> None:
+        """The ground adds nothing."""
+        build.bodies[self.name] = self
+
+    def locate(self, build: Build, at: tuple[float, ...]) -> PointRows:
+        """A constant point."""
+        none = np.zeros(0)
+        return PointRows(np.zeros(0, dtype=np.int64), none, none, none, np.asarray(at, float))

@@ -1,0 +1,78 @@
+"""Linear rows that hold points and edges: the vocabulary of supports whose constraints are constant and are eliminated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from lamella.body.base import Marker
+from lamella.body.plate import Edge
+from lamella.dofs import Build, LinearRow, Motion, PointRows
+from lamella.roles import Floats
+
+AXES = "xyz"
+
+
+def initial_vectors(build: Build) -> Floats:
+    """All coordinate vectors numbered so far in the reference configuration, shape (n, 3)."""
+    return np.concatenate(build.q) if build.q else np.zeros((0, 3))
+
+
+def hold_vector(build: Build, vector: int, label: str, axes: str, motions: Mapping[str, Motion] | None = None) -> list[LinearRow]:
+    """Hold components of one coordinate vector at their reference values plus motions."""
+    reference = initial_vectors(build)[vector]
+    return [
+        LinearRow(
+            f"{axis} of {label}",
+            np.array([3 * vector + AXES.index(axis)]),
+            np.ones(1),
+            float(reference[AXES.index(axis)]),
+            (motions or {}).get(axis),
+        )
+        for axis in axes
+    ]
+
+
+def hold_point(
+    build: Build, marker: Marker, axes: str, weights: str = "position", motions: Mapping[str, Motion] | None = None
+) -> list[LinearRow]:
+    """Hold components of a marker's position (or of a tangent there) at their reference values plus motions."""
+    rows = marker.rows(build)
+    values = getattr(rows, weights)
+    used = values != 0.0
+    vectors, values = rows.vectors[used], values[used]
+    reference = values @ initial_vectors(build)[vectors]
+    return [
+        LinearRow(
+            f"{axis} of {'the position' if weights == 'position' else weights} at {marker}",
+            3 * vectors + AXES.index(axis),
+            values,
+            float(reference[AXES.index(axis)]),
+            (motions or {}).get(axis),
+        )
+        for axis in axes
+    ]
+
+
+def hold_edge(
+    build: Build, edge: Edge, names: tuple[str, ...], axes: str, motions: Mapping[str, Motion] | None = None
+) -> list[LinearRow]:
+    """Hold components of the named nodal vectors at all nodes of an edge; motions move the positions only."""
+    mesh = edge.body.compiled(build)
+    rows: list[LinearRow] = []
+    for node in mesh.edge_nodes(edge.side):
+        for name in names:
+            label = f"{name} at node {node} of edge {edge}"
+            rows += hold_vector(build, mesh.vector(int(node), name), label, axes, motions if name == "r" else None)
+    return rows
+
+
+def centre(build: Build, on: Edge | Marker) -> PointRows:
+    """The point to which a support's torque refers: the marker, or the mean of the edge's nodes."""
+    if isinstance(on, Marker):
+        return on.rows(build)
+    mesh = on.body.compiled(build)
+    vectors = np.array([mesh.vector(int(node), "r") for node in mesh.edge_nodes(on.side)])
+    none = np.zeros(len(vectors))
+    return PointRows(vectors, np.full(len(vectors), 1.0 / len(vectors)), none, none, np.zeros(3))

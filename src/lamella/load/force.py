@@ -1,0 +1,109 @@
+"""Dead forces at points, along edges and over surfaces; their direction is fixed in the inertial frame."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella import units
+from lamella.body.base import Marker
+from lamella.body.plate import Edge, Plate
+from lamella.declaration import declaration
+from lamella.load.dead import add_dead_load
+from lamella.math.gauss import gauss_rule
+from lamella.math.profile import Constant, Profile
+from lamella.roles import Declaration, Floats
+
+if TYPE_CHECKING:
+    from lamella.body.mesh import PlateMesh
+    from lamella.dofs import Build
+
+
+@declaration
+class PointForce(Declaration):
+    """A force at a marker: Q = S(x, y)^T F p(t).
+
+    Args:
+        name: unique name.
+        on: the marker.
+        force: force vector F in the inertial frame [N].
+        profile: factor p(t).
+    """
+
+    name: str
+    on: Marker
+    force: tuple[units.Force, units.Force, units.Force]
+    profile: Profile = Constant(1.0)
+
+    def contribute(self, build: Build) -> None:
+        """Add the force to the coordinate vectors that make the point."""
+        rows = self.on.rows(build)
+        add_dead_load(build, self.name, rows.vectors, np.outer(rows.position, self.force), self.profile)
+
+
+@declaration
+class EdgeForce(Declaration):
+    """A force per length along an edge: Q = int S^T f p(t) ds over the reference length.
+
+    Args:
+        name: unique name.
+        on: the edge.
+        force: force per reference length f in the inertial frame [N/m].
+        profile: factor p(t).
+    """
+
+    name: str
+    on: Edge
+    force: tuple[units.ForcePerLength, units.ForcePerLength, units.ForcePerLength]
+    profile: Profile = Constant(1.0)
+
+    def contribute(self, build: Build) -> None:
+        """Integrate the edge with Gauss points exact for the cubic shape functions."""
+        mesh = self.on.body.compiled(build)
+        places, weights = gauss_rule(2)
+        points, length = mesh.edge_points(self.on.side, places)
+        _distribute(build, self.name, mesh, points, np.resize(weights, len(points)) * length, self.force, self.profile)
+
+
+@declaration
+class SurfaceForce(Declaration):
+    """A force per area over a plate: Q = int S^T f p(t) dA over the reference area.
+
+    Args:
+        name: unique name.
+        on: the plate.
+        force: force per reference area f in the inertial frame [Pa].
+        profile: factor p(t).
+    """
+
+    name: str
+    on: Plate
+    force: tuple[units.Pressure, units.Pressure, units.Pressure]
+    profile: Profile = Constant(1.0)
+
+    def contribute(self, build: Build) -> None:
+        """Integrate the plate with Gauss points exact for the bicubic shape functions."""
+        mesh = self.on.compiled(build)
+        places, weights = gauss_rule(2)
+        xi = ((np.arange(mesh.nx)[:, None] + places) * mesh.lx).reshape(-1)
+        eta = ((np.arange(mesh.ny)[:, None] + places) * mesh.ly).reshape(-1)
+        points = [(x, y) for y in eta for x in xi]
+        areas = np.outer(np.resize(weights, len(eta)), np.resize(weights, len(xi))).reshape(-1) * mesh.lx * mesh.ly
+        _distribute(build, self.name, mesh, points, areas, self.force, self.profile)
+
+
+def _distribute(
+    build: Build,
+    name: str,
+    mesh: PlateMesh,
+    points: list[tuple[float, float]],
+    weights: Floats,
+    force: tuple[float, float, float],
+    profile: Profile,
+) -> None:
+    """Add sum_p weight_p S(point_p)^T force."""
+    rows = [mesh.locate(point) for point in points]
+    vectors = np.concatenate([row.vectors for row in rows])
+    shares = np.concatenate([weight * row.position for weight, row in zip(weights, rows, strict=True)])
+    add_dead_load(build, name, vectors, np.outer(shares, force), profile)

@@ -1,0 +1,99 @@
+"""The frozen result of compilation: blocks, constraints, and what is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from lamella.body.mesh import PlateMesh
+from lamella.dofs import Build, LinearRow, Signal, Support
+from lamella.errors import ModelError
+from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
+
+
+@dataclass(frozen=True)
+class Model:
+    """A system compiled to arrays; nothing in it changes while it is solved.
+
+    Args:
+        q0: reference and initial coordinates, shape (n_q,).
+        v0: initial velocities, shape (n_q,).
+        is_position: True for vectors that are positions, shape (n_q / 3,).
+        magnitude: typical size of a change of each coordinate, shape (n_q,).
+        mass: the constant mass matrix M, sparse (n_q, n_q).
+        forces: blocks of internal forces.
+        loads: blocks of external loads; statics scales them by the load factor.
+        constraints: blocks with Lagrange multipliers.
+        rows: constant linear constraints, eliminated by the assembly.
+        supports: which rows belong to which support.
+        signals: what is recorded.
+        breakpoints: times [s] at which a load or motion jumps, ascending.
+        plates: compiled plates, for pictures and fields.
+        description: the system as data for result files, None when it was not given.
+    """
+
+    q0: Floats
+    v0: Floats
+    is_position: Bools
+    magnitude: Floats
+    mass: sparse.csr_array
+    forces: tuple[ForceBlock, ...]
+    loads: tuple[ForceBlock, ...]
+    constraints: tuple[ConstraintBlock, ...]
+    rows: tuple[LinearRow, ...]
+    supports: tuple[Support, ...]
+    signals: tuple[Signal, ...]
+    breakpoints: tuple[float, ...]
+    plates: tuple[PlateMesh, ...]
+    description: Any = field(default=None, compare=False)
+
+    @property
+    def n_q(self) -> int:
+        """Number of coordinates before elimination."""
+        return len(self.q0)
+
+    @property
+    def n_lam(self) -> int:
+        """Number of Lagrange multipliers."""
+        return sum(block.n_lam for block in self.constraints)
+
+    @classmethod
+    def from_build(cls, build: Build, description: Any = None) -> Model:
+        """Freeze a build.
+
+        Raises:
+            ModelError: the system has no body with coordinates, or two signals share a name.
+        """
+        if build.n_vectors == 0:
+            raise ModelError("the system has no body; add at least one, for example system.add(Plate(...))")
+        _refuse_twins(build.signals)
+        n_q = 3 * build.n_vectors
+        parts = [sparse.coo_array((m, (i, j)), shape=(n_q, n_q)) for i, j, m in (block.mass() for block in build.inertias)]
+        mass = sparse.csr_array(sum(parts, start=sparse.coo_array((n_q, n_q))))
+        return cls(
+            q0=np.concatenate(build.q).reshape(-1),
+            v0=np.concatenate(build.v).reshape(-1),
+            is_position=np.concatenate(build.is_position),
+            magnitude=np.repeat(np.concatenate(build.magnitude), 3),
+            mass=mass,
+            forces=tuple(build.forces),
+            loads=tuple(build.loads),
+            constraints=tuple(build.constraints),
+            rows=tuple(build.rows),
+            supports=tuple(build.supports),
+            signals=tuple(build.signals),
+            breakpoints=tuple(sorted(set(build.breakpoints))),
+            plates=tuple(body for body in build.bodies.values() if isinstance(body, PlateMesh)),
+            description=description,
+        )
+
+
+def _refuse_twins(signals: list[Signal]) -> None:
+    names = [signal.name for signal in signals]
+    for name in names:
+        if names.count(name) > 1:
+            stem = name.rpartition(".")[0]
+            raise ModelError(f"two things are called '{stem}' and would both be recorded as '{name}'; give them different names")

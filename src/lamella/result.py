@@ -1,0 +1,194 @@
+"""What a solution leaves: recorded signals, frames of the motion, statistics, and how it ended."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from lamella.dofs import Signal
+from lamella.errors import DeclarationError
+from lamella.roles import Floats
+from lamella.state import State
+
+if TYPE_CHECKING:
+    import xarray
+
+    from lamella.model import Model
+
+
+class Cause(enum.Enum):
+    """Why a solution ended."""
+
+    COMPLETED = "completed"
+    NOT_CONVERGED = "Newton's iteration did not converge at the smallest step allowed"
+    NOT_FINITE = "a force or coordinate is not a finite number"
+    SINGULAR = "the system matrix is singular"
+    STEP_LIMIT = "the largest number of steps was reached"
+    INTERRUPTED = "interrupted by the user"
+    WRITE_FAILED = "the result file cannot be written"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a solution ended, with its numbers.
+
+    Args:
+        cause: why it ended.
+        reached: last time [s] or load factor solved for.
+        target: time or load factor asked for.
+        detail: a sentence with numbers, empty when completed.
+    """
+
+    cause: Cause
+    reached: float
+    target: float
+    detail: str = ""
+
+    @property
+    def completed(self) -> bool:
+        return self.cause is Cause.COMPLETED
+
+    def __str__(self) -> str:
+        if self.completed:
+            return f"completed at {self.reached:g}"
+        return f"stopped at {self.reached:g} of {self.target:g}: {self.cause.value}" + (
+            f" ({self.detail})" if self.detail else ""
+        )
+
+
+@dataclass
+class Statistics:
+    """Counts of the work done; none but the times depends on the machine."""
+
+    steps: int = 0
+    rejected: int = 0
+    newton_iterations: int = 0
+    residuals: int = 0
+    tangents: int = 0
+    factorisations: int = 0
+    solves: int = 0
+    seconds_compile: float = 0.0
+    seconds_run: float = 0.0
+
+    def as_dict(self) -> dict[str, float]:
+        return asdict(self)
+
+
+class Sink(Protocol):
+    """Receives a solution while it runs, for example a result file or a progress bar."""
+
+    def sample(self, at: float, values: Sequence[Floats]) -> None:
+        """One sample of all signals, in the order of ``Recorder.signals``."""
+        ...
+
+    def frame(self, at: float, state: State) -> None:
+        """One frame of all coordinates."""
+        ...
+
+    def close(self, outcome: Outcome, statistics: Statistics) -> None:
+        """The solution has ended; called exactly once, whatever the cause."""
+        ...
+
+
+@dataclass
+class Recorder:
+    """Samples the signals of a model and keeps frames of its motion.
+
+    Args:
+        signals: what to sample.
+        axis: ``time`` [s], ``load_factor`` or ``arc_length``.
+        frames: number of equally spaced frames kept over the whole solution.
+        sinks: receive every sample and frame at once.
+    """
+
+    signals: Sequence[Signal]
+    axis: str
+    start: float
+    end: float
+    frames: int = 100
+    sinks: Sequence[Sink] = ()
+    at: list[float] = field(default_factory=list)
+    values: list[list[Floats]] = field(default_factory=list)
+    frame_at: list[float] = field(default_factory=list)
+    frame_q: list[Floats] = field(default_factory=list)
+
+    def sample(self, at: float, state: State) -> None:
+        """Record ``state`` at axis value ``at``."""
+        row = [np.atleast_1d(np.asarray(signal.evaluate(state), float)) for signal in self.signals]
+        self.at.append(at)
+        self.values.append(row)
+        for sink in self.sinks:
+            sink.sample(at, row)
+        spacing = (self.end - self.start) / max(self.frames, 1)
+        due = self.start + len(self.frame_at) * spacing
+        if not self.frame_at or (self.axis != "time") or at >= due - 1e-9 * abs(spacing):
+            self.frame_at.append(at)
+            self.frame_q.append(state.q.copy())
+            for sink in self.sinks:
+                sink.frame(at, state)
+
+    def close(self, outcome: Outcome, statistics: Statistics) -> None:
+        """Tell every sink that the solution has ended."""
+        for sink in self.sinks:
+            sink.close(outcome, statistics)
+
+
+class Result:
+    """Recorded signals, frames, statistics and outcome of one solution.
+
+    ``result["tip.position"]`` is a labelled array (xarray) with the unit in its attributes. A static solution
+    (``axis == "load_factor"``) returns the last state's value; :meth:`history` gives it over all load steps.
+
+    Args:
+        model: the compiled model that was solved.
+        recorder: what was recorded.
+        final: the last state.
+        outcome: how it ended.
+        statistics: the work done.
+    """
+
+    def __init__(self, model: Model, recorder: Recorder, final: State, outcome: Outcome, statistics: Statistics) -> None:
+        self.model, self.final, self.outcome, self.statistics = model, final, outcome, statistics
+        self.axis = recorder.axis
+        self.at = np.asarray(recorder.at)
+        self.signals = {signal.name: signal for signal in recorder.signals}
+        self.frame_at = np.asarray(recorder.frame_at)
+        self.frame_q = np.asarray(recorder.frame_q)
+        columns = zip(*recorder.values, strict=True)
+        self._values = {name: np.asarray(column) for name, column in zip(self.signals, columns, strict=True)}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.signals
+
+    def __getitem__(self, name: str) -> xarray.DataArray:
+        history = self.history(name)
+        return history[-1] if self.axis == "load_factor" else history
+
+    def history(self, name: str) -> xarray.DataArray:
+        """A signal over time, or over all load steps."""
+        import xarray
+
+        if name not in self.signals:
+            raise DeclarationError("result", f"no signal '{name}'", f"recorded are {', '.join(self.signals)}")
+        signal = self.signals[name]
+        values, dims, coords = self._values[name], [self.axis], {self.axis: self.at}
+        if signal.labels:
+            dims.append("component")
+            coords["component"] = np.asarray(signal.labels)
+        else:
+            values = values[:, 0]
+        attributes = {"units": signal.unit, "long_name": signal.description or name}
+        array = xarray.DataArray(values, dims=dims, coords=coords, name=name, attrs=attributes)
+        array[self.axis].attrs["units"] = "s" if self.axis == "time" else "1"
+        return array
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to one HDF5 file; an existing file is replaced only when the new one is whole."""
+        from lamella.io.results import write_result
+
+        return write_result(self, Path(path))
