@@ -1,0 +1,125 @@
+"""The assembly of alpha_q K + alpha_v D + alpha_a M and of Phi_q in the independent coordinates, on a pattern found once."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from lamella.assembly.expand import Entries, expand_matrix, expand_rows
+from lamella.assembly.forces import ForceSum
+from lamella.assembly.operator import SumOperator
+from lamella.assembly.pattern import Pattern
+from lamella.assembly.point import Point, Weights
+from lamella.model import Model
+from lamella.roles import Floats
+
+
+class MatrixAssembly:
+    """One buffer for the tangents of all blocks, and the operator that sums it into the values of the matrix.
+
+    Args:
+        model: the compiled model.
+        T: map from independent to all coordinates, (n_q, n_u).
+        symmetric: keep the upper triangle only.
+    """
+
+    def __init__(self, model: Model, T: sparse.csr_array, symmetric: bool) -> None:
+        self.model = model
+        blocks = (*model.forces, *model.loads, *model.constraints)
+        sizes = [len(block.k_rows) for block in blocks]
+        ends = np.cumsum(sizes, dtype=np.int64)
+        self.buffer = np.zeros(int(ends[-1]) if sizes else 0)
+        self.parts = [self.buffer[end - size : end] for end, size in zip(ends, sizes, strict=True)]
+        entries = [
+            _shifted(
+                expand_matrix(
+                    block.k_rows,
+                    block.k_cols,
+                    getattr(block, "k_scale", np.ones(size)),
+                    getattr(block, "symmetry", "symmetric"),
+                    symmetric,
+                    T,
+                ),
+                int(end) - size,
+            )
+            for block, size, end in zip(blocks, sizes, ends, strict=True)
+        ]
+        mass = model.mass.tocoo()
+        reduced_mass = sparse.coo_array(T.T @ mass @ T)
+        keep = reduced_mass.row <= reduced_mass.col if symmetric else slice(None)
+        diagonal = np.arange(T.shape[1])  # always stored, so that a pattern has no empty row
+        rows = np.concatenate([*(e.rows for e in entries), reduced_mass.row[keep], diagonal])
+        cols = np.concatenate([*(e.cols for e in entries), reduced_mass.col[keep], diagonal])
+        keys = rows.astype(np.int64) * T.shape[1] + cols
+        places, slots = np.unique(keys, return_inverse=True)
+        n_entries = sum(len(e.rows) for e in entries)
+        sources = np.concatenate([np.zeros(0, np.int64), *(e.sources for e in entries)])
+        factors = np.concatenate([np.zeros(0), *(e.factors for e in entries)])
+        self._sum = SumOperator(slots[:n_entries], sources, factors, len(places), len(self.buffer))
+        self.mass = np.zeros(len(places))
+        np.add.at(self.mass, slots[n_entries : len(slots) - len(diagonal)], reduced_mass.data[keep])
+        self._jacobian_setup(model, T)
+        indptr = np.searchsorted(places, np.arange(T.shape[1] + 1) * T.shape[1])
+        self.pattern = Pattern(
+            T.shape[1],
+            indptr,
+            places % T.shape[1],
+            symmetric,
+            model.n_lam,
+            self._j_pattern.indptr.astype(np.int64),
+            self._j_pattern.indices.astype(np.int64),
+        )
+
+    def _jacobian_setup(self, model: Model, T: sparse.csr_array) -> None:
+        offsets = np.cumsum([0, *(block.n_lam for block in model.constraints)])
+        rows = [block.j_rows + start for block, start in zip(model.constraints, offsets, strict=False)]
+        ends = np.cumsum([len(r) for r in rows], dtype=np.int64)
+        self.j_buffer = np.zeros(int(ends[-1]) if rows else 0)
+        self.j_parts = [self.j_buffer[end - len(r) : end] for r, end in zip(rows, ends, strict=True)]
+        empty = np.zeros(0, np.int64)
+        cols = np.concatenate([empty, *(block.j_cols for block in model.constraints)])
+        entries = expand_rows(np.concatenate([empty, *rows]), cols, T)
+        shape = (model.n_lam, T.shape[1])
+        self._j_pattern = sparse.csr_array(
+            sparse.coo_array((np.ones(len(entries.rows)), (entries.rows, entries.cols)), shape=shape)
+        )
+        self._j_pattern.sort_indices()
+        keys = np.repeat(np.arange(shape[0]), np.diff(self._j_pattern.indptr)) * shape[1] + self._j_pattern.indices
+        slots = np.searchsorted(keys, entries.rows * shape[1] + entries.cols)
+        self._j_sum = SumOperator(slots, entries.sources, entries.factors, len(keys), len(self.j_buffer))
+
+    def values(
+        self, forces: ForceSum, loads: ForceSum, point: Point, q: Floats, v: Floats, weights: Weights, previous: Floats
+    ) -> tuple[Floats, Floats]:
+        """Values of the matrix and of Phi_q in the pattern's order; the force buffers are filled on the way.
+
+        Args:
+            forces, loads: the force buffers.
+            point: where the equations are evaluated.
+            q, v: its coordinates and velocities.
+            weights: how the unknown moves coordinates, velocities and accelerations.
+            previous: coordinates of Newton's previous iterate.
+        """
+        parts = iter(self.parts)
+        for block, f in forces.parts:
+            block.force_tangent(point.t, q, v, weights.alpha_q, weights.alpha_v, previous, f, next(parts))
+        for block, f in loads.parts:
+            k = next(parts)
+            block.force_tangent(point.t, q, v, weights.alpha_q, weights.alpha_v, previous, f, k)
+            if point.factor != 1.0:
+                k *= point.factor
+        at = 0
+        for block, j in zip(self.model.constraints, self.j_parts, strict=True):
+            k = next(parts)
+            block.curvature(point.t, q, point.lam[at : at + block.n_lam], k)
+            k *= weights.alpha_q
+            block.jacobian(point.t, q, j)
+            at += block.n_lam
+        data = self._sum(self.buffer)
+        if weights.alpha_a:
+            data += weights.alpha_a * self.mass
+        return data, self._j_sum(self.j_buffer)
+
+
+def _shifted(entries: Entries, start: int) -> Entries:
+    return Entries(entries.rows, entries.cols, entries.sources + start, entries.factors)

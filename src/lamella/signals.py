@@ -1,0 +1,120 @@
+"""Signals of a whole system: reactions of supports, energies and work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy import sparse
+
+from lamella.assembly.equations import Equations
+from lamella.dofs import Signal, Support
+from lamella.roles import Floats
+from lamella.state import State
+
+AXES = ("x", "y", "z")
+
+
+def system_signals(equations: Equations) -> list[Signal]:
+    """Everything recorded in a run: the model's own signals, reactions, energies and work. Made anew for each run."""
+    model = equations.model
+    reactions = [signal for support in model.supports for signal in reaction_signals(support, equations)]
+    return [*model.signals, *reactions, *energy_signals(equations)]
+
+
+def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
+    """Force and torque that a support exerts on its body.
+
+    The support's generalised force R = C^T mu acts on vectors x_k; a virtual translation gives the force, the sum over positions of
+    R_k, and a virtual rotation about the centre c the torque, the sum of (x_k - c) x R_k with c for positions only.
+    """
+    places = {row: k for k, row in enumerate(equations.elimination.kept)}
+    own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
+    transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((equations.model.n_q, 0))
+    vectors = np.unique(transposed.nonzero()[0] // 3)
+    is_position = equations.model.is_position[vectors]
+
+    def on_vectors(state: State) -> Floats:
+        return (transposed @ state.mu[own]).reshape(-1, 3)[vectors]
+
+    def force(state: State) -> Floats:
+        return on_vectors(state)[is_position].sum(axis=0)
+
+    def torque(state: State) -> Floats:
+        x = state.q.reshape(-1, 3)
+        arms = x[vectors] - np.outer(is_position, support.centre.at(x))
+        return np.cross(arms, on_vectors(state)).sum(axis=0)
+
+    about = "about its centre"
+    return [
+        Signal(f"{support.name}.force", "N", AXES, force, f"force of support {support.name}"),
+        Signal(f"{support.name}.torque", "N m", AXES, torque, f"torque of support {support.name} {about}"),
+    ]
+
+
+class WorkMeter:
+    """Work done since the first state it was given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
+
+    For constant forces this is exact whatever the step.
+
+    Args:
+        force_and_path: gives the force and the coordinates it works on.
+    """
+
+    def __init__(self, force_and_path: Callable[[State], tuple[Floats, Floats]]) -> None:
+        self.force_and_path = force_and_path
+        self.work = 0.0
+        self._last: tuple[Floats, Floats] | None = None
+
+    def __call__(self, state: State) -> float:
+        f, x = self.force_and_path(state)
+        if self._last is not None:
+            self.work += 0.5 * float((f + self._last[0]) @ (x - self._last[1]))
+        self._last = (f.copy(), x.copy())
+        return self.work
+
+
+def energy_signals(equations: Equations) -> list[Signal]:
+    """Kinetic and strain energy, work of loads and of moving supports, heat, and the balance of them all.
+
+    The balance is kinetic + strain + dissipated - work of loads - work of supports, minus its first value: zero for an exact solution;
+    in motion what the integrator has damped (negative) or gained.
+    """
+    model, elimination = equations.model, equations.elimination
+    clock = np.zeros(1)
+
+    def kinetic(state: State) -> float:
+        return 0.5 * float(state.v @ (model.mass @ state.v))
+
+    def strain(state: State) -> float:
+        return sum(block.energy(state.t, state.q) for block in model.forces)
+
+    def heat(state: State) -> tuple[Floats, Floats]:
+        power = sum(block.dissipation(state.t, state.q, state.v) for block in model.forces)
+        return np.array([power]), clock + state.t
+
+    loads = WorkMeter(lambda s: (-s.factor * equations.loads(s.t, s.q, s.v), s.q))
+    supports = WorkMeter(lambda s: (s.mu, elimination.right_hand_side(s.t, s.factor)))
+    dissipated = WorkMeter(heat)
+    last: dict[str, float] = {}
+
+    def kept(name: str, evaluate: Callable[[State], float]) -> Callable[[State], float]:
+        def value(state: State) -> float:
+            last[name] = evaluate(state)
+            return last[name]
+
+        return value
+
+    def balance(state: State) -> float:
+        total = last["kinetic"] + last["strain"] + last["dissipated"] - last["loads"] - last["supports"]
+        last.setdefault("start", total)
+        return total - last["start"]
+
+    return [
+        Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy"),
+        Signal("energy.strain", "J", (), kept("strain", strain), "strain energy"),
+        Signal("work.loads", "J", (), kept("loads", loads), "work of the loads"),
+        Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports"),
+        Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping"),
+        Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution"),
+    ]
