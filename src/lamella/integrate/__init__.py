@@ -1,1 +1,1 @@
-"""."""
+"""Integrators: from one point in time to the next."""

@@ -1,0 +1,124 @@
+"""The generalised-alpha method for constrained systems."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import Point, Weights
+from lamella.declaration import declaration
+from lamella.integrate.base import Integrator, StepOutcome, Stepper
+from lamella.result import Statistics
+from lamella.roles import Floats
+from lamella.solve.linear import linear_solver
+from lamella.solve.newton import Newton, NewtonSolver
+from lamella.units import quantity
+
+if TYPE_CHECKING:
+    Step = Tolerance = float
+else:
+    Step = quantity("s", gt=0)
+    Tolerance = Annotated[float, Field(gt=0, lt=1)]
+
+
+@declaration
+class GeneralizedAlpha(Integrator):
+    """Generalised-alpha (Chung and Hulbert 1993) in the form of Arnold and Bruels (2007) for index-3 systems.
+
+        q' = q + dt v + dt^2 ((1/2 - beta) a + beta a'),   v' = v + dt ((1 - gamma) a + gamma a')
+        (1 - alpha_m) a' + alpha_m a = (1 - alpha_f) vdot' + alpha_f vdot,   M vdot' + f(t', q', v') + Phi_q^T lam' = 0
+
+    with alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), gamma = 1/2 + alpha_f - alpha_m, beta = (gamma + 1/2)^2/4:
+    second order, unconditionally stable for linear problems, with spectral radius rho at infinite frequency.
+
+    Args:
+        dt: step [s]; the first one under error control.
+        rho_inf: spectral radius at infinite frequency, 0 (strong numerical damping) to 1 (none).
+        tolerance: relative local error allowed in a step; None for steps of fixed size.
+        dt_min: smallest step a rejected one is cut to [s]; dt / 1024 when left out.
+        dt_max: largest step under error control [s]; unlimited when left out.
+        newton: how each step is solved.
+    """
+
+    dt: Step
+    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
+    tolerance: Tolerance | None = None
+    dt_min: Step = 0.0
+    dt_max: Step = np.inf
+    newton: Newton = Newton()
+    type: Literal["generalized_alpha"] = "generalized_alpha"
+
+    order = 2
+
+    def __post_init__(self) -> None:
+        if self.dt_min == 0.0:
+            object.__setattr__(self, "dt_min", self.dt / 1024)
+
+    def stepper(self, equations: Equations, statistics: Statistics, solver: str = "auto") -> GeneralizedAlphaStepper:
+        """A stepper for these equations."""
+        return GeneralizedAlphaStepper(self, equations, statistics, solver)
+
+
+class GeneralizedAlphaStepper(Stepper):
+    """Steps of :class:`GeneralizedAlpha` in independent coordinates; moving supports enter through q, v and vdot exactly."""
+
+    def __init__(self, options: GeneralizedAlpha, equations: Equations, statistics: Statistics, solver: str) -> None:
+        self.options, self.equations, self.statistics = options, equations, statistics
+        self.alpha_m = (2 * options.rho_inf - 1) / (options.rho_inf + 1)
+        self.alpha_f = options.rho_inf / (options.rho_inf + 1)
+        self.gamma = 0.5 + self.alpha_f - self.alpha_m
+        self.beta = 0.25 * (self.gamma + 0.5) ** 2
+        self.linear = linear_solver(equations.matrix.pattern, solver)
+        self.newton = NewtonSolver(equations, self.linear, options.newton, statistics)
+
+    def restart(self, point: Point) -> None:
+        """Start from a consistent point: the algorithmic acceleration is the true one."""
+        self.point, self.a = point, point.udd.copy()
+        self.q = self.equations.coordinates(point)
+        self.newton.forget()
+        self._new: tuple[Point, Floats] | None = None
+
+    def weights(self, dt: float) -> Weights:
+        """How the unknown, the new independent coordinates, moves velocities and accelerations."""
+        ratio = (1 - self.alpha_m) / (1 - self.alpha_f)
+        return Weights(1.0, self.gamma / (self.beta * dt), ratio / (self.beta * dt**2))
+
+    def step(self, dt: float) -> StepOutcome:
+        """Predict with zero change of the coordinates beyond constant velocity, then solve."""
+        old, a, weights = self.point, self.a, self.weights(dt)
+        u = old.u + dt * old.ud + dt**2 * (0.5 - self.beta) * a
+        ud = old.ud + dt * (1 - self.gamma) * a
+        udd = (self.alpha_m * a - self.alpha_f * old.udd) / (1 - self.alpha_f)
+        new = Point(old.t + dt, u, ud, udd, old.lam.copy())
+        self._shift(new, self._predicted(dt), weights)
+        base = u
+        report = self.newton.solve(new, weights, self.q)
+        if not report.converged:
+            self._new = None
+            return StepOutcome(report, None)
+        a_new = (new.u - base) / (self.beta * dt**2)
+        self._new = new, a_new
+        error = 0.0
+        if self.options.tolerance is not None:
+            local = (self.beta - 1.0 / 6.0) * dt**2 * (a_new - a)  # Zienkiewicz and Xie 1991: the first term left out
+            error = float(np.sqrt(np.mean((local / self.equations.magnitude) ** 2))) / self.options.tolerance
+        return StepOutcome(report, new, error)
+
+    def accept(self) -> Point:
+        """Make the step final."""
+        assert self._new is not None, "accept follows a converged step"
+        self.point, self.a = self._new
+        self.q = self.equations.coordinates(self.point)
+        return self.point
+
+    def _predicted(self, dt: float) -> Floats:
+        """Predicted change of u beyond the formulas with zero new acceleration."""
+        return self.beta * dt**2 * self.a
+
+    def _shift(self, point: Point, du: Floats, weights: Weights) -> None:
+        point.u = point.u + du
+        point.ud = point.ud + weights.alpha_v * du
+        point.udd = point.udd + weights.alpha_a * du

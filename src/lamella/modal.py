@@ -1,0 +1,106 @@
+"""Natural frequencies and shapes about any state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import linalg
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import STATIC
+from lamella.errors import DeclarationError, ModelError
+from lamella.model import Model
+from lamella.roles import Floats
+from lamella.state import State
+from lamella.system import System
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Natural modes K phi = omega^2 M phi about a state, phi^T M phi = 1.
+
+    Args:
+        model: the compiled model.
+        frequencies: ascending [Hz]; an unstable mode has a negative one, -sqrt(-omega^2) / 2 pi, shape (n,).
+        shapes: columns of all coordinates, shape (n_q, n).
+        state: coordinates about which the modes are, shape (n_q,).
+    """
+
+    model: Model
+    frequencies: Floats
+    shapes: Floats
+    state: Floats
+
+    def displaced(self, mode: int, amplitude: float) -> Floats:
+        """Coordinates with mode number ``mode`` (from 0) added, its largest displacement being ``amplitude`` [m]."""
+        shape = self.shapes[:, mode]
+        largest = np.linalg.norm(shape.reshape(-1, 3)[self.model.is_position], axis=1).max()
+        return self.state + amplitude / largest * shape
+
+
+def modes(system: System | Model, n: int, *, state: State | None = None) -> Modes:
+    """The ``n`` lowest natural modes.
+
+    Args:
+        system: the system.
+        n: number of modes.
+        state: about which state, for example ``equilibrium(...).final``; the reference configuration otherwise.
+
+    Raises:
+        DeclarationError: n is not positive or exceeds the number of independent coordinates.
+        ModelError: the system has multipliers whose constraints are redundant.
+    """
+    model = system.compile() if isinstance(system, System) else system
+    equations = Equations(model)
+    free = equations.n_u - equations.n_lam
+    if not 1 <= n <= free - 1:
+        raise DeclarationError("modes", f"n = {n}", f"accepted is 1 to {free - 1} for this system")
+    point = equations.start(at_rest=True) if state is None else equations.point_of(state, state.t)
+    point.at_rest, point.factor = True, 1.0 if state is None else state.factor
+    _, _, k, j = equations.linearise(point, STATIC)
+    pattern = equations.matrix.pattern
+    K, J = sparse.csc_array(pattern.matrix(k.copy())), pattern.jacobian(j.copy())
+    M = sparse.csc_array(pattern.matrix(equations.matrix.mass))
+    values, vectors = _lowest(K, M, J, n, equations.magnitude)
+    order = np.argsort(values)
+    values, vectors = values[order], vectors[:, order]
+    frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
+    return Modes(model, frequencies, equations.T @ vectors, equations.coordinates(point))
+
+
+def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too."""
+    n_u, n_lam = K.shape[0], J.shape[0]
+    scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
+    K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), J @ scale
+    shift = -1e-3 * _typical(K, M)
+    matrix = K - shift * M
+    saddle = sparse.block_array([[matrix, J.T], [J, None]], format="csc") if n_lam else matrix
+    try:
+        factor = linalg.splu(sparse.csc_matrix(saddle))
+    except RuntimeError as error:
+        raise ModelError(
+            "modes: the constraints are redundant or some mass is missing; the shifted matrix is singular"
+        ) from error
+
+    def inverse(x: Floats) -> Floats:
+        return factor.solve(np.concatenate([np.ravel(x), np.zeros(n_lam)]))[:n_u]
+
+    operator = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)
+    start = inverse(M @ np.ones(n_u))
+    values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
+    return values, scale @ vectors
+
+
+def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
+    """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift."""
+    rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
+    factor = linalg.splu(sparse.csc_matrix(K + rough * M))
+    x, value = np.random.default_rng(0).standard_normal(K.shape[0]), 0.0
+    for _ in range(4):
+        x = factor.solve(M @ x)
+        x /= np.sqrt(x @ (M @ x))
+        value = float(x @ (K @ x))
+    return max(abs(value), rough)

@@ -1,0 +1,153 @@
+"""Motion: integrate a system in time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.errors import ConvergenceError, DeclarationError, ResultFileError
+from lamella.integrate.base import Integrator, Stepper
+from lamella.model import Model
+from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
+from lamella.signals import system_signals
+from lamella.solve.base import LinearSolver
+from lamella.solve.initial import make_consistent, solve_rates
+from lamella.solve.linear import linear_solver
+from lamella.state import State
+from lamella.system import System
+
+SAFETY = 0.9
+"""Share of the step that the error estimate would allow."""
+GROWTH = (0.2, 2.0)
+"""Smallest and largest change of the step from one to the next."""
+
+
+def simulate(
+    system: System | Model,
+    t_end: float,
+    integrator: Integrator,
+    *,
+    t_start: float = 0.0,
+    initial: State | None = None,
+    frames: int = 100,
+    sinks: Sequence[Sink] = (),
+    solver: str = "auto",
+    on_failure: str = "raise",
+) -> Result:
+    """Integrate the equations of motion from a consistent start.
+
+    Args:
+        system: what moves; a :class:`System` is compiled first.
+        t_end: end time [s].
+        integrator: for example ``GeneralizedAlpha(dt=1e-3, rho_inf=0.9)``.
+        t_start: time of the initial state [s].
+        initial: positions and velocities to start from, for example ``equilibrium(...).final``; the reference otherwise.
+        frames: number of equally spaced configurations kept for pictures.
+        sinks: receive the solution while it runs (result file, progress bar).
+        solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.
+        on_failure: ``raise`` a :class:`ConvergenceError` that holds the partial result, or ``return`` it with its outcome.
+
+    Returns:
+        Signals over time, frames, statistics and outcome.
+
+    Raises:
+        ConvergenceError: the smallest step did not converge.
+        ConstraintError: constraints contradict each other.
+    """
+    if not t_end > t_start:
+        raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
+    began = time.perf_counter()
+    model = system.compile() if isinstance(system, System) else system
+    equations, statistics = Equations(model), Statistics()
+    stepper = integrator.stepper(equations, statistics, solver)
+    point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
+    linear = linear_solver(equations.matrix.pattern, solver)
+    make_consistent(equations, point, linear)
+    statistics.seconds_compile = time.perf_counter() - began
+    recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
+    state = equations.state(point)
+    recorder.sample(point.t, state)
+    stepper.restart(point)
+    march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
+    outcome = march.run(point.t, state)
+    statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
+    recorder.close(outcome, statistics)
+    result = Result(model, recorder, march.state, outcome, statistics)
+    if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
+        raise KeyboardInterrupt(str(outcome))
+    if not outcome.completed and on_failure == "raise":
+        raise ConvergenceError(f"the motion {outcome}", outcome, result)
+    return result
+
+
+class _March:
+    """The loop over time: step size, rejection, stops at breakpoints, recording."""
+
+    def __init__(
+        self,
+        equations: Equations,
+        stepper: Stepper,
+        integrator: Integrator,
+        recorder: Recorder,
+        statistics: Statistics,
+        t_end: float,
+        linear: LinearSolver,
+    ) -> None:
+        self.equations, self.stepper, self.integrator = equations, stepper, integrator
+        self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
+
+    def run(self, t: float, state: State) -> Outcome:
+        """Step to the end; whatever happens, what was recorded stays valid."""
+        self.state, self.t = state, t
+        stops = [s for s in self.equations.model.breakpoints if t < s < self.t_end] + [self.t_end]
+        try:
+            for stop in stops:
+                failure = self._advance(stop)
+                if failure is not None:
+                    return failure
+                if stop < self.t_end:
+                    self._restart()
+        except KeyboardInterrupt:
+            return Outcome(Cause.INTERRUPTED, self.t, self.t_end)
+        except ResultFileError as error:
+            return Outcome(Cause.WRITE_FAILED, self.t, self.t_end, str(error))
+        return Outcome(Cause.COMPLETED, self.t, self.t_end)
+
+    def _advance(self, stop: float) -> Outcome | None:
+        dt = self.integrator.dt
+        while self.t < stop - 1e-9 * dt:
+            remaining = stop - self.t
+            count = max(1, round(remaining / dt)) if remaining < 1.5 * dt else 0
+            trial = remaining / count if count else dt
+            outcome = self.stepper.step(trial)
+            adaptive = self.integrator.tolerance is not None
+            if outcome.point is None or (adaptive and outcome.error > 1.0):
+                self.statistics.rejected += 1
+                dt = trial * (0.5 if outcome.point is None else self._factor(outcome.error))
+                if dt < self.integrator.dt_min:
+                    return Outcome(outcome.report.cause, self.t, self.t_end, f"step {trial:.1e} s; {outcome.report.detail}")
+                continue
+            point = self.stepper.accept()
+            self.statistics.steps += 1
+            self.t = stop if count == 1 else point.t
+            self.state = self.equations.state(point)
+            self.recorder.sample(self.t, self.state)
+            if adaptive:
+                dt = min(trial * self._factor(outcome.error), self.integrator.dt_max)
+            elif dt < self.integrator.dt:
+                dt = min(2.0 * dt, self.integrator.dt)  # a step cut after a failure grows back
+        return None
+
+    def _factor(self, error: float) -> float:
+        """Change of the step for a local error of order dt^(order + 1)."""
+        wanted = SAFETY * max(error, 1e-10) ** (-1.0 / (self.integrator.order + 1))
+        return float(np.clip(wanted, *GROWTH))
+
+    def _restart(self) -> None:
+        """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""
+        point = self.equations.point_of(self.state, self.t)
+        solve_rates(self.equations, point, self.linear)
+        self.stepper.restart(point)

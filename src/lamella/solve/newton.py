@@ -1,0 +1,160 @@
+"""Newton's method for one set of equations, with the factorisation kept while it converges well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import Point, Weights
+from lamella.declaration import declaration
+from lamella.errors import SingularSystemError
+from lamella.result import Cause, Statistics
+from lamella.roles import Floats
+from lamella.solve.base import LinearSolver
+from lamella.units import Positive
+
+
+@declaration
+class Newton:
+    """How equations are solved.
+
+    An iterate is accepted when the estimated error theta / (1 - theta) |du| falls below ``tolerance``, with theta the observed
+    contraction and |du| the largest correction relative to the size of the body (positions) or to 1 (slopes).
+
+    Args:
+        tolerance: error accepted [-].
+        max_iterations: iterations before giving up.
+        keep: contraction up to which a factorisation is used again, 0 for Newton's method proper.
+        line_search: shorten a correction along which the residual's work grows; for statics far from equilibrium.
+        extrapolate: take the stress of the geometric stiffness from the previous iterate's linear extrapolation
+            (Magisano, Leonetti and Garcea 2017); fewer iterations, same result.
+    """
+
+    tolerance: Positive = 1e-8
+    max_iterations: Annotated[int, Field(ge=1, le=1000)] = 25
+    keep: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
+    line_search: bool = False
+    extrapolate: bool = True
+
+
+@dataclass(frozen=True)
+class NewtonReport:
+    """How an iteration ended: its cause, the number of iterations, and the last correction's size."""
+
+    cause: Cause
+    iterations: int
+    size: float
+    detail: str = ""
+
+    @property
+    def converged(self) -> bool:
+        """True when the solution was accepted."""
+        return self.cause is Cause.COMPLETED
+
+
+class NewtonSolver:
+    """Solves r(u, lam) = 0, Phi(u) = 0 by corrections of a :class:`Point`.
+
+    Args:
+        equations: residual and matrix.
+        linear: solver of the linear systems.
+        options: tolerances.
+        statistics: counts the work.
+    """
+
+    def __init__(self, equations: Equations, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
+        self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
+        self._factored_for: Weights | None = None
+
+    def size(self, du: Floats) -> float:
+        """Largest correction relative to the magnitude of its coordinate."""
+        return float(np.max(np.abs(du) / self.equations.magnitude, initial=0.0))
+
+    def forget(self) -> None:
+        """Do not use the present factorisation again."""
+        self._factored_for = None
+
+    def solve(self, point: Point, weights: Weights, reference: Floats | None = None) -> NewtonReport:
+        """Correct ``point`` in place until it solves the equations.
+
+        Args:
+            point: the predicted point; changed in place, meaningless when not converged.
+            weights: how the unknown moves q, v and a.
+            reference: coordinates q of the last solution, from which stress is extrapolated at the first iteration.
+        """
+        previous = reference if self.options.extrapolate else None
+        last = np.inf
+        for iteration in range(self.options.max_iterations):
+            fresh = self._factored_for != weights
+            try:
+                r, phi = self._evaluate(point, weights, previous, fresh=fresh)
+                if not np.isfinite(r).all():
+                    return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
+                du, dlam = self.linear.solve(-r, -phi)
+            except SingularSystemError as error:
+                self.forget()
+                return NewtonReport(Cause.SINGULAR, iteration, last, str(error))
+            self.statistics.solves += 1
+            size = self.size(du)
+            if not np.isfinite(size):
+                self.forget()
+                return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
+            contraction = size / last if np.isfinite(last) else 0.5
+            if not fresh and np.isfinite(last) and contraction > self.options.keep:
+                self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
+                last = np.inf
+                continue
+            previous = self.equations.coordinates(point) if self.options.extrapolate else None
+            step = self._searched(point, weights, du, dlam, r) if self.options.line_search else 1.0
+            self._move(point, weights, step * du, step * dlam)
+            self.statistics.newton_iterations += 1
+            if contraction < 1.0 and step == 1.0 and size * contraction / (1.0 - contraction) <= self.options.tolerance:
+                return NewtonReport(Cause.COMPLETED, iteration + 1, size)
+            if size > 1e6:
+                break
+            if fresh and contraction > self.options.keep:
+                self.forget()
+            last = size
+        self.forget()
+        return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
+
+    def _evaluate(self, point: Point, weights: Weights, previous: Floats | None, *, fresh: bool) -> tuple[Floats, Floats]:
+        self.statistics.residuals += 1
+        if not fresh:
+            return self.equations.residual(point)
+        r, phi, k, j = self.equations.linearise(point, weights, previous)
+        self.statistics.tangents += 1
+        if np.isfinite(r).all():
+            self.linear.factorise(k, j)
+            self.statistics.factorisations += 1
+            self._factored_for = weights
+        return r, phi
+
+    def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
+        point.u += weights.alpha_q * du
+        point.ud += weights.alpha_v * du
+        point.udd += weights.alpha_a * du
+        point.lam += dlam
+
+    def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats, r: Floats) -> float:
+        """A step length s for which the residual's work du . r(s) does not exceed that at the start; at most 4 trials.
+
+        Membrane stress grows with the square of a rotation, so a full step may overshoot by orders of magnitude; secant steps on the
+        work find the valley (Crisfield 1991, section 9.2).
+        """
+        start, low, low_work = float(du @ r), 0.0, float(du @ r)
+        step = 1.0
+        for _ in range(4):
+            trial = point.copy()
+            self._move(trial, weights, step * du, step * dlam)
+            work = float(du @ self.equations.residual(trial)[0])
+            self.statistics.residuals += 1
+            if np.isfinite(work) and abs(work) <= 0.8 * abs(start):
+                return step
+            guess = low + (step - low) * low_work / (low_work - work) if np.isfinite(work) and low_work != work else 0.0
+            step = min(max(guess, 0.1 * step), 0.9 * step)
+        return step

@@ -1,0 +1,176 @@
+"""Statics: equilibrium under full load, and equilibrium paths through limit points."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import STATIC, Point
+from lamella.errors import ConvergenceError, DeclarationError, ModelError
+from lamella.model import Model
+from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
+from lamella.signals import system_signals
+from lamella.solve.arc_length import ArcLength
+from lamella.solve.linear import linear_solver
+from lamella.solve.newton import Newton, NewtonSolver
+from lamella.system import System
+
+STATIC_NEWTON = Newton(keep=0.0)
+"""Newton's method proper: far from the solution a kept factorisation gains nothing."""
+
+
+def equilibrium(
+    system: System | Model,
+    *,
+    t: float = 0.0,
+    steps: Sequence[float] | int = 1,
+    newton: Newton = STATIC_NEWTON,
+    smallest_step: float = 1e-4,
+    sinks: Sequence[Sink] = (),
+    solver: str = "auto",
+    on_failure: str = "raise",
+) -> Result:
+    """Geometrically nonlinear static equilibrium f(q) = 0 under the loads and support motions at time ``t``.
+
+    Loads and motions grow with a load factor from 0 to 1. A step that does not converge is halved, and doubled again after two
+    that do; every load factor in ``steps`` is met.
+
+    Args:
+        system: what is loaded.
+        t: time at which loads and motions are taken [s].
+        steps: load factors to solve for, ascending, or a number of equal steps.
+        newton: how each step is solved.
+        smallest_step: load step below which the solution is given up.
+        sinks: receive the solution while it runs.
+        solver: name of the linear solver.
+        on_failure: ``raise`` or ``return`` the partial result.
+
+    Returns:
+        ``result["tip.position"]`` is the value at full load, ``result.history("tip.position")`` over all load steps.
+
+    Raises:
+        ConvergenceError: the load cannot be carried, or a limit point was met; :func:`equilibrium_path` passes those.
+        ModelError: nothing holds the system.
+    """
+    factors = _checked_steps(steps)
+    run = _Run(system, t, newton, solver)
+    run.open(factors[-1], sinks)
+    outcome = run.guarded(lambda: _climb(run, factors, smallest_step), factors[-1])
+    return run.close(outcome, on_failure)
+
+
+def equilibrium_path(
+    system: System | Model,
+    *,
+    t: float = 0.0,
+    until: float = 1.0,
+    arc: ArcLength | None = None,
+    newton: Newton = STATIC_NEWTON,
+    sinks: Sequence[Sink] = (),
+    solver: str = "auto",
+    on_failure: str = "raise",
+) -> Result:
+    """Follow the equilibrium path by its arc length, through limit points of load (snap-through) and of displacement (snap-back).
+
+    Args:
+        system: what is loaded.
+        t: time at which loads and motions are taken [s].
+        until: load factor at which the path ends, reached exactly.
+        arc: step control; see :class:`lamella.solve.arc_length.ArcLength`.
+        newton: tolerance and iterations of each step.
+        sinks: receive the solution while it runs.
+        solver: name of the linear solver.
+        on_failure: ``raise`` or ``return`` the partial result.
+
+    Returns:
+        Signals over the path, among them ``load_factor``.
+    """
+    run = _Run(system, t, newton, solver, single=False)
+    run.open(until, sinks)
+    arc = arc or ArcLength()
+    outcome = run.guarded(lambda: arc.follow(run.equations, run.newton, run.point, until, run.record, run.statistics), until)
+    return run.close(outcome, on_failure)
+
+
+def _checked_steps(steps: Sequence[float] | int) -> list[float]:
+    factors = list(np.linspace(0.0, 1.0, steps + 1)[1:]) if isinstance(steps, int) else [float(s) for s in steps]
+    if not factors or not np.isfinite(factors).all() or np.any(np.diff([0.0, *factors]) <= 0):
+        raise DeclarationError(
+            "equilibrium", f"steps = {steps}", "accepted is a positive number of steps or ascending factors above 0"
+        )
+    return factors
+
+
+def _climb(run: _Run, factors: Sequence[float], smallest: float) -> Outcome:
+    """Meet every factor, with steps cut where Newton fails."""
+    largest, good = np.inf, 0
+    for target in factors:
+        while run.point.factor < target:
+            step = min(target - run.point.factor, largest)
+            trial = run.point.copy()
+            trial.factor = target if step >= 0.999 * (target - run.point.factor) else run.point.factor + step
+            report = run.newton.solve(trial, STATIC, run.q)
+            if report.converged:
+                run.point, good = trial, good + 1
+                run.statistics.steps += 1
+                run.record(trial)
+                if good >= 2 and report.iterations < 10:
+                    largest, good = 2.0 * step, 0
+                continue
+            run.statistics.rejected += 1
+            largest, good = 0.5 * step, 0
+            if largest < smallest:
+                detail = f"load step {step:.1e}; {report.detail}"
+                return Outcome(report.cause, run.point.factor, factors[-1], detail)
+    return Outcome(Cause.COMPLETED, run.point.factor, factors[-1])
+
+
+class _Run:
+    """What both kinds of static solution share: equations, Newton, recording and the end."""
+
+    def __init__(self, system: System | Model, t: float, newton: Newton, solver: str, *, single: bool = True) -> None:
+        self.began = time.perf_counter()
+        self.model = system.compile() if isinstance(system, System) else system
+        if not self.model.rows and not self.model.constraints:
+            raise ModelError(
+                "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
+            )
+        self.equations, self.statistics = Equations(self.model), Statistics()
+        linear = linear_solver(self.equations.matrix.pattern, solver)
+        self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
+        self.point = self.equations.start(t, factor=0.0, at_rest=True)
+        self.axis = "load_factor" if single else "path"
+
+    def open(self, until: float, sinks: Sequence[Sink]) -> None:
+        """Start recording with the unloaded state."""
+        self.recorder = Recorder(system_signals(self.equations), self.axis, 0.0, until, sinks=sinks)
+        self.statistics.seconds_compile = time.perf_counter() - self.began
+        self.record(self.point)
+
+    def record(self, point: Point) -> None:
+        """Sample an equilibrium."""
+        self.point, self.q = point, self.equations.coordinates(point)
+        self.state = self.equations.state(point)
+        count = len(self.recorder.at)
+        self.recorder.sample(point.factor if self.axis == "load_factor" else float(count), self.state)
+
+    def guarded(self, solve, until: float) -> Outcome:  # type: ignore[no-untyped-def]
+        """Run a solution; an interruption ends it with what was recorded."""
+        try:
+            return solve()
+        except KeyboardInterrupt:
+            return Outcome(Cause.INTERRUPTED, self.point.factor, until)
+
+    def close(self, outcome: Outcome, on_failure: str) -> Result:
+        """End the recording and give the result, or raise."""
+        self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
+        self.recorder.close(outcome, self.statistics)
+        result = Result(self.model, self.recorder, self.state, outcome, self.statistics)
+        if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
+            raise KeyboardInterrupt(str(outcome))
+        if not outcome.completed and on_failure == "raise":
+            raise ConvergenceError(f"the equilibrium {outcome}", outcome, result)
+        return result
