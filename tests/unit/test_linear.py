@@ -82,7 +82,8 @@ def indefinite(nx: int, ny: int) -> Floats:
     return k
 
 
-DEFINITE_METHODS: tuple[Method, ...] = ("auto", "band", "superlu")
+INDEFINITE_METHODS: tuple[Method, ...] = ("auto", "multifrontal", "superlu")
+DEFINITE_METHODS: tuple[Method, ...] = ("auto", "multifrontal", "band", "superlu")
 
 
 @pytest.mark.parametrize("method", DEFINITE_METHODS)
@@ -114,7 +115,7 @@ def test_clamped_plate(method: Method) -> None:
     check(k[np.ix_(free, free)], None, method)
 
 
-@pytest.mark.parametrize("method", ["auto", "superlu"])
+@pytest.mark.parametrize("method", INDEFINITE_METHODS)
 def test_indefinite(method: Method) -> None:
     k = indefinite(4, 4)
     solver = check(k, None, method)
@@ -130,7 +131,7 @@ def test_saddle_with_definite_stiffness(method: Method, m: int) -> None:
     check(k, constraints(len(k), m), method)
 
 
-@pytest.mark.parametrize("method", ["auto", "superlu"])
+@pytest.mark.parametrize("method", INDEFINITE_METHODS)
 def test_saddle_with_indefinite_stiffness(method: Method) -> None:
     k = indefinite(3, 4)
     check(k, constraints(len(k), 7), method)
@@ -158,15 +159,26 @@ def test_negative_pivots_on_the_constraint_manifold() -> None:
     assert check(k, np.array([[0.0, 1.0, 0.0]]), "superlu").negative_pivots in (0, None)
 
 
-def test_automatic_returns_to_cholesky() -> None:
-    good, bad = plate_like(4, 4), indefinite(4, 4)
+def test_automatic_needs_superlu_only_where_pivots_on_the_diagonal_fail() -> None:
+    """Zeros on the diagonal of a regular matrix; the next, definite one is factorised by fronts again."""
+    good = plate_like(4, 4)
+    bad = good.copy()
+    bad[[0, 1], [0, 1]] = 0
     pattern, good_values, none = pattern_of(good)
     solver = linear_solver(pattern)
     assert isinstance(solver, AutomaticSolver)
     for values, count in ((good_values, 0), (pattern_of(bad)[1], 1), (good_values, 1)):
         solver.factorise(values, none)
-        assert solver.n_indefinite == count
+        assert solver.n_general == count
     assert solver.negative_pivots == 0
+
+
+def test_inaccurate_pivots_are_not_used() -> None:
+    """A tiny pivot on the diagonal of a well-conditioned matrix spoils the factors; the check sees it."""
+    k = np.array([[1e-13, 1.0, 0.0], [1.0, 1e-13, 1.0], [0.0, 1.0, 3.0]])
+    solver = check(k, None, "auto")
+    assert isinstance(solver, AutomaticSolver)
+    assert solver.n_general == 1
 
 
 @pytest.mark.parametrize("method", DEFINITE_METHODS)

@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Ints
-from lamella.solve.base import PIVOT_TOLERANCE, DefiniteFactor
+from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
 
 _pbtrf, _pbtrs = get_lapack_funcs(("pbtrf", "pbtrs"), dtype=np.float64)
 
@@ -39,7 +39,7 @@ def band_order(pattern: Pattern) -> tuple[Ints, int]:
     return (given, width_given) if width_given <= width else (order, width)
 
 
-class BandCholesky(DefiniteFactor):
+class BandCholesky(SymmetricFactor):
     """K = L L^T in lower band storage, entry (i, j) at [i - j, j], columns contiguous, factorised in place by LAPACK's dpbtrf.
 
     Args:
@@ -50,7 +50,8 @@ class BandCholesky(DefiniteFactor):
         self.pattern = pattern
         self._order, self.bandwidth = band_order(pattern)
         position = np.argsort(self._order)
-        self.cost = float(pattern.n) * self.bandwidth**2
+        self.cost = float(pattern.n) * self.bandwidth**2 / 2
+        self.size = pattern.n * (self.bandwidth + 1)
         self._band = np.zeros((self.bandwidth + 1, pattern.n), order="F")
         self._flat = self._band.reshape(-1, order="F")
         p, q = position[pattern.rows], position[pattern.indices]
@@ -58,7 +59,7 @@ class BandCholesky(DefiniteFactor):
         self._slot = column * (self.bandwidth + 1) + row - column
         self._diagonal = np.zeros(pattern.n)
 
-    def try_factorise(self, k: Floats) -> int:
+    def factorise(self, k: Floats) -> int:
         """Scatter into the band and factorise; -1, or the coordinate of the first pivot that is not positive."""
         self._flat.fill(0.0)
         self._flat[self._slot] = k

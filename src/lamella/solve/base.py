@@ -43,20 +43,25 @@ class LinearSolver(ABC):
         """Solution x (n,), y (n_lam,) for the right-hand side r (n,), s (n_lam,)."""
 
 
-class DefiniteFactor(ABC):
-    """Factorisation K = L L^T of a symmetric positive definite matrix of fixed pattern, without multipliers.
+class SymmetricFactor(ABC):
+    """Factorisation of a symmetric matrix K of fixed pattern, without multipliers.
 
-    1. ``try_factorise`` returns -1 on success, else the coordinate whose pivot is not positive (to rounding).
-    2. ``solve`` takes one right-hand side (n,) or several as columns (n, m).
+    1. ``factorise`` returns -1 on success, else a coordinate whose pivot it cannot use.
+    2. ``negative_pivots`` is the number of negative pivots of the last factorisation; when it is not 0, the pivots were not
+       chosen for accuracy, and the caller checks the result.
+    3. ``solve`` takes one right-hand side (n,) or several as columns (n, m).
     """
 
     pattern: Pattern
+    negative_pivots: int = 0
     cost: float
-    """Multiplications and additions of one factorisation."""
+    """Multiplications, each with an addition, of one factorisation."""
+    size: int
+    """Entries of the factor."""
 
     @abstractmethod
-    def try_factorise(self, k: Floats) -> int:
-        """Factorise; -1, or the coordinate where the matrix is seen not to be positive definite."""
+    def factorise(self, k: Floats) -> int:
+        """Factorise; -1, or the coordinate where it failed."""
 
     @abstractmethod
     def solve(self, r: Floats) -> Floats:
@@ -65,6 +70,9 @@ class DefiniteFactor(ABC):
 
 PIVOT_TOLERANCE = 64 * np.finfo(float).eps
 """A pivot below this fraction of its diagonal entry is rounding error: some tens of updates of one rounding each."""
+
+BACKWARD_ERROR_LIMIT = 1e-10
+"""Largest |A z - b| / (|z| + |b|), equilibrated, of a factorisation that is used; pivots on the diagonal alone may exceed it."""
 
 
 def singular(pattern: Pattern, index: int) -> SingularSystemError:

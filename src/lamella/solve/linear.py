@@ -8,30 +8,32 @@ from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats
 from lamella.solve.band import BandCholesky
 from lamella.solve.base import LinearSolver
+from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.schur import SchurSolver
 from lamella.solve.superlu import SuperLUSolver
 
-Method = Literal["auto", "band", "superlu"]
+Method = Literal["auto", "multifrontal", "band", "superlu"]
 
-BAND_BYTES = 200e6
-"""Band storage above which the sparse factorisation is used instead."""
+SUPERLU_COST = 8.0
+"""Time of SuperLU for the saddle-point matrix, in factorisations of K by fronts (measured 5 to 12)."""
 
 
 class AutomaticSolver(LinearSolver):
-    """Cholesky factorisation where the matrix is positive definite, SuperLU where it is not.
+    """Symmetric factorisation with pivots on the diagonal where that is accurate, SuperLU where it is not.
 
-    A tangent loses definiteness under compression and far from equilibrium, usually for some iterations only, so each
-    factorisation starts with Cholesky again. ``n_indefinite`` counts those that needed SuperLU.
+    A positive definite matrix needs no exchange of rows. A tangent loses definiteness under compression and far from
+    equilibrium; its factorisation is then checked, and given up for SuperLU when it fails. The next factorisation starts with
+    the diagonal again. ``n_general`` counts those that needed SuperLU.
 
     Args:
-        definite: solver of positive definite matrices.
+        symmetric: solver with pivots on the diagonal.
     """
 
-    def __init__(self, definite: SchurSolver) -> None:
-        self.pattern, self._definite = definite.pattern, definite
+    def __init__(self, symmetric: SchurSolver) -> None:
+        self.pattern, self._symmetric = symmetric.pattern, symmetric
         self._general: SuperLUSolver | None = None
-        self._active: LinearSolver = definite
-        self.n_indefinite = 0
+        self._active: LinearSolver = symmetric
+        self.n_general = 0
 
     @property
     def negative_pivots(self) -> int | None:
@@ -39,13 +41,13 @@ class AutomaticSolver(LinearSolver):
         return self._active.negative_pivots
 
     def factorise(self, k: Floats, j: Floats) -> None:
-        """Factorise by Cholesky, else by SuperLU, which names the coordinate of a singular matrix."""
-        self._active = self._definite
-        if self._definite.try_factorise(k, j) < 0:
+        """Factorise with pivots on the diagonal, else by SuperLU, which names the coordinate of a singular matrix."""
+        self._active = self._symmetric
+        if self._symmetric.try_factorise(k, j) < 0:
             return
         if self._general is None:
             self._general = SuperLUSolver(self.pattern)
-        self.n_indefinite += 1
+        self.n_general += 1
         self._general.factorise(k, j)
         self._active = self._general
 
@@ -59,24 +61,22 @@ def linear_solver(pattern: Pattern, method: Method = "auto") -> LinearSolver:
 
     Args:
         pattern: sparsity pattern of K and J.
-        method: ``band`` (Cholesky in a band: positive definite only), ``superlu`` (any matrix), or ``auto``: ``band`` with
-            ``superlu`` for indefinite matrices; ``superlu`` alone when K is unsymmetric, the band is too wide, or the multipliers
-            are so many that the Schur complement costs more than the factorisation by far.
+        method: ``multifrontal`` (symmetric, pivots on the diagonal), ``band`` (LAPACK, positive definite only), ``superlu`` (any
+            matrix), or ``auto``: ``multifrontal``, with ``superlu`` for the matrices it cannot factorise; ``superlu`` alone when
+            K is unsymmetric or the multipliers are so many that their Schur complement costs more.
 
     Raises:
         ValueError: an unknown method, or one that cannot take the pattern.
     """
     if method not in get_args(Method):
         raise ValueError(f"linear solver '{method}' is not known; choose one of {', '.join(get_args(Method))}")
-    if method == "superlu":
+    if method == "superlu" or (method == "auto" and not pattern.symmetric):
         return SuperLUSolver(pattern)
     if not pattern.symmetric:
-        if method == "auto":
-            return SuperLUSolver(pattern)
         raise ValueError(f"linear solver '{method}' takes symmetric matrices only; choose 'superlu' or 'auto'")
-    band = BandCholesky(pattern)
     if method == "band":
-        return SchurSolver(band)
-    width = band.bandwidth + 1
-    too_wide = 8.0 * pattern.n * width > BAND_BYTES
-    return SuperLUSolver(pattern) if too_wide or pattern.n_lam > 2 * width else AutomaticSolver(SchurSolver(band))
+        return SchurSolver(BandCholesky(pattern))
+    factor = Multifrontal(pattern)
+    if method == "auto" and 2.0 * pattern.n_lam * factor.size > SUPERLU_COST * factor.cost:
+        return SuperLUSolver(pattern)
+    return AutomaticSolver(SchurSolver(factor)) if method == "auto" else SchurSolver(factor)

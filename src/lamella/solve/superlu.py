@@ -10,7 +10,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from lamella.assembly.pattern import Pattern
 from lamella.errors import SingularSystemError
 from lamella.roles import Floats
-from lamella.solve.base import LinearSolver, not_finite, singular
+from lamella.solve.base import BACKWARD_ERROR_LIMIT, LinearSolver, not_finite, singular
 from lamella.solve.saddle import SaddleMatrix, probe
 
 CONDITION_LIMIT = 1e14
@@ -18,8 +18,6 @@ CONDITION_LIMIT = 1e14
 with 1e15 and more."""
 REFINE_ABOVE = 1e-12
 """Residual relative to the right-hand side above which one step of iterative refinement is made."""
-BACKWARD_ERROR_LIMIT = 1e-10
-"""Largest |A z - b| / (|z| + |b|) of a factorisation that is used; pivots on the diagonal alone may exceed it."""
 
 
 class SuperLUSolver(LinearSolver):

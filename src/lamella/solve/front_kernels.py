@@ -1,0 +1,308 @@
+"""Compiled kernels of the multifrontal factorisation: dense fronts, eight rows at a time.
+
+A front of p pivots and u remaining rows is held as a *panel* (its first p columns, all rows) and an *update* (the u by u rest),
+both by columns, of which the lower triangles count. Column lengths are multiples of 8 and p of 4; padding is zero, padded
+pivots are 1. The factorisation is K = L S L^T with S = diag(+-1), which is Cholesky's when all signs are positive.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lamella import lane
+from lamella._jit import njit
+from lamella.roles import Floats, Ints
+
+BLOCK = 48
+"""Columns of a panel that are factorised before the rest is updated: 24 rows of them (9 kB) stay in the first-level cache."""
+
+
+@njit
+def _subtract_24(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
+    """C -= A B for 24 rows and 4 columns: A (24, n) at a[a0] and C at c[c0] by columns, B (n, 4) at b[b0] by rows."""
+    c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
+    p00, p10, p20 = lane.load(c, c0), lane.load(c, c0 + 8), lane.load(c, c0 + 16)
+    p01, p11, p21 = lane.load(c, c1), lane.load(c, c1 + 8), lane.load(c, c1 + 16)
+    p02, p12, p22 = lane.load(c, c2), lane.load(c, c2 + 8), lane.load(c, c2 + 16)
+    p03, p13, p23 = lane.load(c, c3), lane.load(c, c3 + 8), lane.load(c, c3 + 16)
+    for _ in range(n):
+        x, y, z = lane.load(a, a0), lane.load(a, a0 + 8), lane.load(a, a0 + 16)
+        f0, f1, f2, f3 = b[b0], b[b0 + 1], b[b0 + 2], b[b0 + 3]
+        p00, p10, p20 = p00 - f0 * x, p10 - f0 * y, p20 - f0 * z
+        p01, p11, p21 = p01 - f1 * x, p11 - f1 * y, p21 - f1 * z
+        p02, p12, p22 = p02 - f2 * x, p12 - f2 * y, p22 - f2 * z
+        p03, p13, p23 = p03 - f3 * x, p13 - f3 * y, p23 - f3 * z
+        a0 += a_len
+        b0 += 4
+    lane.store(c, c0, p00), lane.store(c, c0 + 8, p10), lane.store(c, c0 + 16, p20)
+    lane.store(c, c1, p01), lane.store(c, c1 + 8, p11), lane.store(c, c1 + 16, p21)
+    lane.store(c, c2, p02), lane.store(c, c2 + 8, p12), lane.store(c, c2 + 16, p22)
+    lane.store(c, c3, p03), lane.store(c, c3 + 8, p13), lane.store(c, c3 + 16, p23)
+
+
+@njit
+def _subtract_8(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
+    """C -= A B for 8 rows and 4 columns, stored as in :func:`_subtract_24`."""
+    c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
+    p0, p1, p2, p3 = lane.load(c, c0), lane.load(c, c1), lane.load(c, c2), lane.load(c, c3)
+    for _ in range(n):
+        x = lane.load(a, a0)
+        p0, p1, p2, p3 = p0 - b[b0] * x, p1 - b[b0 + 1] * x, p2 - b[b0 + 2] * x, p3 - b[b0 + 3] * x
+        a0 += a_len
+        b0 += 4
+    lane.store(c, c0, p0), lane.store(c, c1, p1), lane.store(c, c2, p2), lane.store(c, c3, p3)
+
+
+@njit
+def _subtract(
+    c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, signs: Floats, b: Floats, n: int
+) -> None:
+    """C -= A S A^T on the lower triangle of the first columns of C.
+
+    C (rows, columns) at c[c0] and A (rows, n) at a[a0] stand by columns; rows is a multiple of 8, columns of 4.
+    """
+    i = 0
+    for column in range(0, columns, 4):
+        for k in range(n):
+            source = a0 + column + k * a_len
+            sign = signs[k]
+            b[i], b[i + 1] = sign * a[source], sign * a[source + 1]
+            b[i + 2], b[i + 3] = sign * a[source + 2], sign * a[source + 3]
+            i += 4
+    row = 0
+    while row + 24 <= rows:
+        for column in range(0, min(columns, row + 24), 4):
+            _subtract_24(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
+        row += 24
+    while row < rows:
+        for column in range(0, min(columns, row + 8), 4):
+            _subtract_8(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
+        row += 8
+
+
+@njit
+def _subtract_before(a: Floats, a0: int, a_len: int, first: int, j: int, signs: Floats, b: Floats) -> None:
+    """Subtract columns first ... j - 1 of a panel from columns j ... j + 3, in the rows from the last multiple of 8 on."""
+    n, start = j - first, j - j % 8
+    for k in range(n):
+        source = a0 + (first + k) * a_len + j
+        for i in range(4):
+            b[4 * k + i] = signs[k] * a[source + i]
+    c0, left = a0 + j * a_len, a0 + first * a_len
+    row = start
+    while row + 24 <= a_len:
+        _subtract_24(a, c0 + row, a_len, a, left + row, a_len, b, 0, n)
+        row += 24
+    while row < a_len:
+        _subtract_8(a, c0 + row, a_len, a, left + row, a_len, b, 0, n)
+        row += 8
+
+
+@njit
+def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs: Floats) -> int:
+    """L S L^T of the 4 by 4 block at a[corner]; -1, or the column whose pivot is within its limit (or not a number)."""
+    for i in range(4):
+        pivot = a[corner + i * a_len + i]
+        if not abs(pivot) > limits[i]:
+            return i
+        sign = 1.0 if pivot > 0 else -1.0
+        signs[i] = sign
+        root = math.sqrt(abs(pivot))
+        a[corner + i * a_len + i] = root
+        for row in range(i + 1, 4):
+            a[corner + i * a_len + row] *= sign / root
+        for k in range(i + 1, 4):
+            for row in range(k, 4):
+                a[corner + k * a_len + row] -= sign * a[corner + i * a_len + k] * a[corner + i * a_len + row]
+    return -1
+
+
+@njit
+def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats) -> int:
+    """Factorise columns j ... j + 3 of the panel at a[a0], from which all columns before are already subtracted."""
+    corner = a0 + j * a_len + j
+    failed = _factorise_corner(a, corner, a_len, limits[j:], signs[j:])
+    if failed >= 0:
+        return j + failed
+    c0 = a0 + j * a_len
+    c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
+    s0, s1, s2, s3 = signs[j], signs[j + 1], signs[j + 2], signs[j + 3]
+    l10, l20, l30 = s0 * a[c0 + j + 1], s0 * a[c0 + j + 2], s0 * a[c0 + j + 3]
+    l21, l31, l32 = s1 * a[c1 + j + 2], s1 * a[c1 + j + 3], s2 * a[c2 + j + 3]
+    d0, d1, d2, d3 = s0 / a[c0 + j], s1 / a[c1 + j + 1], s2 / a[c2 + j + 2], s3 / a[c3 + j + 3]
+    row = j + 4
+    while row % 8:
+        x0 = a[c0 + row] * d0
+        x1 = (a[c1 + row] - l10 * x0) * d1
+        x2 = (a[c2 + row] - l20 * x0 - l21 * x1) * d2
+        a[c3 + row] = (a[c3 + row] - l30 * x0 - l31 * x1 - l32 * x2) * d3
+        a[c0 + row], a[c1 + row], a[c2 + row] = x0, x1, x2
+        row += 1
+    while row < a_len:
+        y0 = lane.load(a, c0 + row) * d0
+        y1 = (lane.load(a, c1 + row) - l10 * y0) * d1
+        y2 = (lane.load(a, c2 + row) - l20 * y0 - l21 * y1) * d2
+        y3 = (lane.load(a, c3 + row) - l30 * y0 - l31 * y1 - l32 * y2) * d3
+        lane.store(a, c0 + row, y0), lane.store(a, c1 + row, y1), lane.store(a, c2 + row, y2), lane.store(a, c3 + row, y3)
+        row += 8
+    return -1
+
+
+@njit
+def _factorise_front(
+    a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, b: Floats
+) -> int:
+    """Factorise a panel and subtract it from its update, ``BLOCK`` columns at a time; -1, or the pivot that failed."""
+    for first in range(0, p, BLOCK):
+        last = min(first + BLOCK, p)
+        s = signs[first:]
+        for j in range(first, last, 4):
+            if j > first:
+                _subtract_before(a, a0, a_len, first, j, s, b)
+            failed = _factorise_columns(a, a0, a_len, j, limits, signs)
+            if failed >= 0:
+                return failed
+        left = a0 + first * a_len
+        if last < p:
+            _subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, s, b, last - first)
+        if u_len:
+            _subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, s, b, last - first)
+    return -1
+
+
+@njit
+def _extend_add(u: Floats, u0: int, u_len: int, runs: Ints, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int) -> None:
+    """Add a child's update at u[u0] to its parent's panel (a0) and update (t0).
+
+    A run (row of the child, row of the parent, length) goes to consecutive rows; no run crosses row p of the parent.
+    """
+    for r in range(len(runs)):
+        for j in range(runs[r, 2]):
+            source, target = u0 + (runs[r, 0] + j) * u_len, runs[r, 1] + j
+            for run in runs[r:]:
+                if target < p:
+                    _add(a, a0 + target * a_len + run[1], u, source + run[0], run[2])
+                else:
+                    _add(u, t0 + (target - p) * t_len + run[1] - p, u, source + run[0], run[2])
+
+
+@njit
+def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
+    """c[c0:] += d[d0:] for n entries."""
+    i = 0
+    while i + 8 <= n:
+        lane.store(c, c0 + i, lane.load(c, c0 + i) + lane.load(d, d0 + i))
+        i += 8
+    while i < n:
+        c[c0 + i] += d[d0 + i]
+        i += 1
+
+
+@njit
+def factorise(
+    k: Floats, slots: Ints, ones: Ints, fronts: Ints, runs: Ints, limits: Floats, a: Floats, u: Floats, signs: Floats, b: Floats
+) -> int:
+    """Factorise all fronts, children before parents.
+
+    Args:
+        k: values of the matrix.
+        slots: position of each value in ``a``.
+        ones: positions in ``a`` of padded pivots.
+        fronts: for each front its first position, pivots (padded), panel column length, panel start in ``a``, remaining rows,
+            update column length, update start in ``u``, start of its part of the remaining rows, start of its part of ``runs``,
+            first child and next sister (-1 when there is none); shape (n_front + 1, 11), the last row closing the starts.
+        runs: where the remaining rows of a child stand in its parent, see :func:`_extend_add`; shape (n_run, 3).
+        limits: magnitude that a pivot must exceed, by position.
+        a: panels, overwritten by L.
+        u: updates (workspace; space is used again when an update has been added to its parent).
+        signs: signs S by position.
+        b: workspace of ``BLOCK`` times the longest panel column.
+
+    Returns:
+        -1, or the position whose pivot is within its limit.
+    """
+    a[:] = 0.0
+    for i in range(len(k)):
+        a[slots[i]] = k[i]
+    for i in range(len(ones)):
+        a[ones[i]] = 1.0
+    for f in range(len(fronts) - 1):
+        first, p, a_len, a0, _, u_len, u0 = fronts[f, :7]
+        u[u0 : u0 + u_len * u_len] = 0.0
+        child = fronts[f, 9]
+        while child >= 0:
+            part = runs[fronts[child, 8] : fronts[child + 1, 8]]
+            _extend_add(u, fronts[child, 6], fronts[child, 5], part, a, a0, a_len, p, u0, u_len)
+            child = fronts[child, 10]
+        failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits[first:], signs[first:], b)
+        if failed >= 0:
+            return first + failed
+    return -1
+
+
+@njit
+def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
+    """y <- L^-1 y for the pivots, rest of y minus what they cause."""
+    for k in range(p):
+        column = a0 + k * a_len
+        x = y[k] / a[column + k]
+        y[k] = x
+        row = k + 1
+        while row % 8:
+            y[row] -= a[column + row] * x
+            row += 1
+        while row < a_len:
+            lane.store(y, row, lane.load(y, row) - x * lane.load(a, column + row))
+            row += 8
+
+
+@njit
+def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats, total: Floats) -> None:
+    """y <- L^-T y for the pivots, with the rest of y known."""
+    for k in range(p - 1, -1, -1):
+        column = a0 + k * a_len
+        x = y[k]
+        row = k + 1
+        while row % 8:
+            x -= a[column + row] * y[row]
+            row += 1
+        part = lane.spread(0.0)
+        while row < a_len:
+            part = part + lane.load(a, column + row) * lane.load(y, row)
+            row += 8
+        lane.store(total, 0, part)
+        x -= total[0] + total[1] + total[2] + total[3] + total[4] + total[5] + total[6] + total[7]
+        y[k] = x / a[column + k]
+
+
+@njit
+def solve(fronts: Ints, rows: Ints, a: Floats, signs: Floats, x: Floats, y: Floats) -> None:
+    """x <- K^-1 x, by position.
+
+    Args:
+        fronts: as in :func:`factorise`.
+        rows: position of each remaining row, front after front.
+        a: panels with L.
+        signs: signs S by position.
+        x: right-hand side and solution by position, zero at padded pivots.
+        y: workspace of the longest panel column and eight.
+    """
+    total = y[len(y) - 8 :]
+    for f in range(len(fronts) - 1):
+        first, p, a_len, a0, n = fronts[f, :5]
+        start = fronts[f, 7]
+        y[:p] = x[first : first + p]
+        y[p:a_len] = 0.0
+        _forward(a, a0, a_len, p, y)
+        x[first : first + p] = y[:p] * signs[first : first + p]
+        for i in range(n):
+            x[rows[start + i]] += y[p + i]
+    for f in range(len(fronts) - 2, -1, -1):
+        first, p, a_len, a0, n = fronts[f, :5]
+        start = fronts[f, 7]
+        y[:p] = x[first : first + p]
+        y[p:a_len] = 0.0
+        for i in range(n):
+            y[p + i] = x[rows[start + i]]
+        _backward(a, a0, a_len, p, y, total)
+        x[first : first + p] = y[:p]
