@@ -43,8 +43,8 @@ verify: $(VENV)/.ready-viz+test  ## the whole verification and the slow tests (n
 	$(BIN)/lamella verify
 	$(BIN)/python -m pytest -m slow
 
-bench: $(VENV)/.ready-bench+mkl  ## time the kernels and whole runs, beside Exudyn
-	@for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
+bench: $(VENV)/.ready-bench  ## time the kernels and whole runs, beside Exudyn
+	@for file in benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
 
 docs: $(VENV)/.ready-docs  ## build the pages of docs/ into build/docs
 	$(BIN)/mkdocs build --quiet --strict --site-dir build/docs
