@@ -14,14 +14,17 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
-from numba.core import config, event
+from numba.core import config as numba_config
+from numba.core import event
 from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+config = cast("Any", numba_config)  # its attributes are made at run time
 
 FAST_MATH = {"contract", "nsz"}
 """Fused multiply-add and signed zeros only: NaN and infinity keep their meaning, so that a failed step is seen."""
@@ -49,22 +52,23 @@ def _prune(parent: Path, current: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
 
 
-def _writable(folder: Path) -> bool:
-    """Create the folder, mark it as used now, and say whether files can be written to it."""
+def _usable(folder: Path) -> bool:
+    """Create a private folder, mark it as used now, and say whether it is ours and files can be written to it."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             os.utime(folder)
+        return not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()  # code is loaded from it: nobody else's
     except OSError:
         return False
-    return True
 
 
 def _cache_folder() -> Path:
     """Folder of the compiled kernels of these sources: in the user's cache, else below the folder for temporary files."""
     key = _source_hash()
-    for parent in (user_cache_path("lamella") / "kernels", Path(tempfile.gettempdir()) / f"lamella-kernels-{os.getuid()}"):
-        if _writable(parent / key):
+    for parent in (user_cache_path("lamella") / "kernels", Path(tempfile.gettempdir()) / "lamella-kernels"):
+        if _usable(parent / key):
             _prune(parent, parent / key)
             return parent / key
     return Path(tempfile.mkdtemp(prefix="lamella-kernels-"))
@@ -78,7 +82,7 @@ def njit(function: Function) -> Function:
     user_setting = config.CACHE_DIR
     config.CACHE_DIR = str(CACHE_FOLDER)  # read once, while the function is decorated; other packages keep their setting
     try:
-        return numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy")(function)
+        return cast("Function", numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy")(function))
     finally:
         config.CACHE_DIR = user_setting
 

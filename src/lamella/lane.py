@@ -9,15 +9,22 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 from llvmlite import ir
+from numba import extending
 from numba.core import cgutils, types
-from numba.core.datamodel import PrimitiveModel
+from numba.core.datamodel.models import PrimitiveModel
 from numba.core.imputils import lower_builtin
-from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, overload, register_model
+from numba.core.typing import templates
+from numba.core.typing.templates import ConcreteTemplate, signature
+from numba.extending import overload, register_model
+
+# Numba's decorators change signatures in ways that type checkers do not follow.
+intrinsic = cast("Callable[[Callable[..., Any]], Callable[..., Any]]", extending.intrinsic)
+infer_global = cast("Any", templates.infer_global)
 
 WIDTH = 8
 """Elements that are computed together."""
@@ -45,14 +52,14 @@ class LaneModel(PrimitiveModel):
         super().__init__(dmm, fe_type, _VECTOR)
 
 
-def _spread(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
+def _spread(builder: Any, number: Any) -> Any:
     """The same number in all eight places."""
     one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
     zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
     return builder.shuffle_vector(one, ir.Constant(_VECTOR, ir.Undefined), zeros)
 
 
-def _as_lane(builder: ir.IRBuilder, value: ir.Value) -> ir.Value:
+def _as_lane(builder: Any, value: Any) -> Any:
     return value if value.type == _VECTOR else _spread(builder, value)
 
 
@@ -60,7 +67,7 @@ def _register_binary(function: Any, instruction: str) -> None:
     """Teach Numba one operator for lane with lane and lane with number."""
     operands = ((Lane, Lane), (Lane, types.float64), (types.float64, Lane))
 
-    def lower(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         left, right = (_as_lane(builder, value) for value in args)
         return getattr(builder, instruction)(left, right, flags=_FLAGS)
 
@@ -81,13 +88,13 @@ class _LaneNegation(ConcreteTemplate):
 
 
 @lower_builtin(operator.neg, Lane)
-def _lower_negation(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+def _lower_negation(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fneg(args[0], flags=_FLAGS)
 
 
 @intrinsic
 def _lane_sqrt(typing_context: Any, value: types.Type) -> Any:
-    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         function_type = ir.FunctionType(_VECTOR, [_VECTOR])
         return builder.call(cgutils.get_or_insert_function(builder.module, function_type, "llvm.sqrt.v8f64"), args)
 
@@ -106,7 +113,7 @@ def _overload_sqrt(value):  # noqa: ANN001, ANN202 - Numba compares this signatu
     return lambda value: math.sqrt(value)
 
 
-def _vector_pointer(context: Any, builder: ir.IRBuilder, array_type: Any, array: ir.Value, index: ir.Value) -> ir.Value:
+def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
 
@@ -115,7 +122,7 @@ def _vector_pointer(context: Any, builder: ir.IRBuilder, array_type: Any, array:
 def load(typing_context: Any, array: types.Type, index: types.Type) -> Any:
     """``load(array, index)``: the lane of the entries index ... index + 7 of a flat contiguous float64 array."""
 
-    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1])
         return builder.load(pointer, align=8)
 
@@ -126,7 +133,7 @@ def load(typing_context: Any, array: types.Type, index: types.Type) -> Any:
 def store(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
     """``store(array, index, lane)``: write a lane, or a number for all eight, to the entries index ... index + 7."""
 
-    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1])
         builder.store(_as_lane(builder, args[2]), pointer, align=8)
         return context.get_dummy_value()
@@ -138,7 +145,7 @@ def store(typing_context: Any, array: types.Type, index: types.Type, value: type
 def spread(typing_context: Any, number: types.Type) -> Any:
     """``spread(number)``: a lane holding the same number eight times."""
 
-    def generate(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> ir.Value:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return _spread(builder, args[0])
 
     return Lane(types.float64), generate

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from scipy.sparse import csr_array
 
@@ -40,7 +38,7 @@ class KelvinVoigtBlock(Plate48Block):
     ) -> None:
         super().__init__(name, coords, scale, reference, *all_entries())
         tables = GaussTables(self, time * np.asarray(stiffness, float), n_gauss)
-        self._tables: tuple[Any, ...] = (self._index, self._scale, tables.sections, tables.table, tables.n)
+        self._tables = (self._index, self._scale, tables.sections, tables.table, tables.n)
         self._work, self._power = aligned(kernels.viscous_work_size(n_gauss)), aligned(8 * self.n_block)
         self._unused = np.empty(len(self.f_coords))
 

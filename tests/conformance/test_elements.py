@@ -1,0 +1,306 @@
+"""What every element must fulfil, over all elements of the list and, for its blocks, over flat and curved reference surfaces."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+from shell_patch import SURFACES, dense, derivative, gathered_force, patch, random_rotation, section, turned
+
+from lamella.element import ELEMENTS
+from lamella.element.plate48.shape import gauss_points
+from lamella.errors import ModelError
+
+XS, YS = [0.0, 0.5, 0.8, 1.5], [0.0, 0.4, 1.0, 1.3]  # nine elements: one full block of eight and one alone
+
+
+@pytest.fixture(params=list(ELEMENTS.values()), ids=list(ELEMENTS))
+def element(request):
+    return request.param
+
+
+@pytest.fixture(params=list(SURFACES))
+def mesh(request, element):
+    return patch(element, XS, YS, SURFACES[request.param])
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(7)
+
+
+def module(element, name):
+    return import_module(f"lamella.element.{element.name}.{name}")
+
+
+def exact(mesh, rng, n_gauss=4):
+    return module(mesh.element, "block").STRAIN_MODELS["exact"]("plate", *mesh.tables, section(rng), n_gauss)
+
+
+def deformed(mesh, rng, size=0.05):
+    return mesh.rest + size * rng.standard_normal(mesh.rest.shape)
+
+
+# --- shape functions -------------------------------------------------------------------------------------------------------------
+
+
+def test_coordinates_are_the_values_and_derivatives_at_the_nodes(element):
+    rows = {"r": 0, "r_x": 1, "r_y": 2, "r_xy": 4}
+    values = np.concatenate([element.shape(*node)[[rows[name] for name in element.vector_names]] for node in element.nodes])
+    np.testing.assert_allclose(values, np.eye(element.n_shape), atol=1e-15)
+
+
+def test_positions_sum_to_one_everywhere(element, rng):
+    shape = element.shape(rng.random(20), rng.random(20))
+    total = shape[..., np.tile(element.is_position, len(element.nodes))].sum(axis=-1)
+    np.testing.assert_allclose(total, np.array([1, 0, 0, 0, 0, 0])[:, None] * np.ones(20), atol=1e-13)
+
+
+def test_derivatives_of_the_shape_functions(element):
+    for d, (first, variable) in {1: (0, 0), 2: (0, 1), 3: (1, 0), 4: (1, 1), 5: (2, 1)}.items():
+        step = np.eye(2)[variable]
+        # polynomials of low degree: central differences of order eight are exact but for rounding
+        numeric = derivative(lambda h, first=first, step=step: element.shape(*(np.array([0.3, 0.8]) + h * step))[first], 0.05)
+        np.testing.assert_allclose(element.shape(0.3, 0.8)[d], numeric, atol=1e-12)
+
+
+def test_magnitudes_and_scales_follow_the_derivatives(element):
+    assert element.magnitudes(2.0)[0] == 2.0
+    assert element.magnitudes(2.0)[1] == 1.0
+    assert element.scales(np.array([0.5, 1.0]), np.array([0.25, 1.0])).shape == (2, element.n_shape)
+    assert element.scales(0.5, 0.25)[1] == 0.5
+
+
+# --- exact strains ---------------------------------------------------------------------------------------------------------------
+
+
+def test_rigid_motion_gives_no_force_and_no_energy(mesh, rng):
+    block = exact(mesh, rng)
+    q = turned(mesh.rest, mesh.is_position, random_rotation(rng), 3.0 * rng.standard_normal(3))
+    typical = deformed(mesh, rng)
+    # strains of rounding size, 1e-15, give forces of that size and energies of its square
+    assert np.abs(gathered_force(block, q)).max() < 1e-12 * np.abs(gathered_force(block, typical)).max()
+    assert 0 <= block.energy(0.0, q) < 1e-24 * block.energy(0.0, typical)
+
+
+def test_force_turns_with_the_configuration(mesh, rng):
+    block, q, R = exact(mesh, rng), deformed(mesh, rng), random_rotation(rng)
+    moved = turned(q, mesh.is_position, R, np.array([1.0, -2.0, 0.5]))
+    expected = (gathered_force(block, q).reshape(-1, 3) @ R.T).reshape(-1)
+    np.testing.assert_allclose(gathered_force(block, moved), expected, atol=1e-11 * np.abs(expected).max())
+    assert block.energy(0.0, moved) == pytest.approx(block.energy(0.0, q), rel=1e-11)
+
+
+@pytest.mark.parametrize("n_gauss", [3, 4, 5])
+def test_force_is_the_derivative_of_the_energy(mesh, rng, n_gauss):
+    block, q, d = exact(mesh, rng, n_gauss), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
+    numeric = derivative(lambda h: block.energy(0.0, q + h * d), 2e-4)
+    assert gathered_force(block, q) @ d == pytest.approx(numeric, rel=1e-9)
+
+
+@pytest.mark.parametrize("n_gauss", [3, 4, 5])
+def test_tangent_is_the_derivative_of_the_force(mesh, rng, n_gauss):
+    block, q, d = exact(mesh, rng, n_gauss), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
+    f, K = dense(block, q, alpha_q=0.7)
+    numeric = derivative(lambda h: gathered_force(block, q + h * d), 2e-4)
+    np.testing.assert_allclose(f, gathered_force(block, q), rtol=1e-12, atol=1e-12 * np.abs(f).max())
+    np.testing.assert_allclose(K @ d, 0.7 * numeric, atol=1e-9 * np.abs(numeric).max())
+
+
+def test_extrapolated_stress_leaves_the_force_and_differs_by_second_order_in_the_tangent(mesh, rng):
+    block, q, d = exact(mesh, rng), deformed(mesh, rng, 0.02), rng.standard_normal(mesh.rest.shape)
+    f, K = dense(block, q)
+    errors = []
+    for h in (2e-3, 1e-3):
+        f_mixed, K_mixed = dense(block, q, q_previous=q - h * d)
+        np.testing.assert_array_equal(f_mixed, f)
+        errors.append(np.abs(K_mixed - K).max())
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)  # the next term is of third order
+    np.testing.assert_allclose(dense(block, q, q_previous=q.copy())[1], K, atol=1e-12 * np.abs(K).max())
+
+
+def test_constant_membrane_strain_is_in_balance_inside_the_patch(element, rng):
+    mesh = patch(element, XS, YS)
+    F = np.eye(3) + 0.2 * rng.standard_normal((3, 3))
+    f = gathered_force(exact(mesh, rng), (mesh.rest.reshape(-1, 3) @ F.T).reshape(-1))
+    inner = np.repeat([0 < x < XS[-1] and 0 < y < YS[-1] for x, y in mesh.nodes], 3 * element.vectors_per_node)
+    assert np.abs(f[inner]).max() < 1e-13 * np.abs(f).max()
+
+
+def test_small_constant_curvature_is_reproduced(element, rng):
+    size, K = 1e-6, np.array([[0.7, -0.4], [-0.4, 1.2]])
+
+    def bent(x, y):
+        z_x, z_y = size * (K @ [x, y])
+        return {"r": (x, y, 0.5 * (z_x * x + z_y * y)), "r_x": (1, 0, z_x), "r_y": (0, 1, z_y), "r_xy": (0, 0, size * K[0, 1])}
+
+    mesh, C = patch(element, XS, YS), section(rng)
+    block = module(element, "block").STRAIN_MODELS["exact"]("plate", *mesh.tables, C)
+    kap = size * np.array([K[0, 0], K[1, 1], 2 * K[0, 1]])
+    energy = 0.5 * kap @ C[3:, 3:] @ kap * XS[-1] * YS[-1]
+    # the membrane strain of a developable bend is of the order size^2
+    assert block.energy(0.0, patch(element, XS, YS, bent).rest) == pytest.approx(energy, rel=1e-5)
+
+
+def test_recovered_strains_give_the_energy(mesh, rng):
+    C = section(rng)
+    block = module(mesh.element, "block").STRAIN_MODELS["exact"]("plate", *mesh.tables, C)
+    recovery = module(mesh.element, "recovery").ShellRecovery(mesh.element, *mesh.tables)
+    q = deformed(mesh, rng)
+    xi, eta, weights = gauss_points(4)
+    n = len(mesh.coords)
+    index, xi, eta = np.repeat(np.arange(n), 16), np.tile(xi, n), np.tile(eta, n)
+    found, size = recovery.at(q, index, xi, eta), 1e-5
+    shape = mesh.element.shape(xi, eta)
+    vectors = (mesh.reference * mesh.scale).reshape(n, -1, 3)[index]
+    R_x, R_y = (np.einsum("ns,nsc->nc", shape[d], vectors) for d in (1, 2))
+    area = np.linalg.norm(np.cross(R_x, R_y), axis=1) * np.tile(weights, n)
+    assert 0.5 * np.einsum("n,ni,ij,nj->", area, found.strains, C, found.strains) == pytest.approx(
+        block.energy(0.0, q), rel=1e-12
+    )
+    along = recovery.at(q, index, xi + size, eta).r - found.r
+    across = recovery.at(q, index, xi, eta + size).r - found.r
+    assert np.abs(np.einsum("nc,nc->n", found.n, along)).max() < 1e-3 * size  # the tangent plane, but for curvature over size
+    normal = np.cross(along, across)
+    np.testing.assert_allclose(found.n, normal / np.linalg.norm(normal, axis=1, keepdims=True), atol=1e-3)
+
+
+@pytest.mark.parametrize("n", [1, 7, 8, 9])
+def test_filling_up_the_last_block_changes_nothing(element, rng, n):
+    xs = np.linspace(0.0, 1.0, n + 1)
+    mesh, C = patch(element, xs, [0.0, 1.0]), section(rng)
+    model = module(element, "block").STRAIN_MODELS["exact"]
+    q = deformed(mesh, rng, 0.01)
+    f, K = dense(model("plate", *mesh.tables, C), q)
+    singly = [model("plate", *(table[k : k + 1] for table in mesh.tables), C) for k in range(n)]
+    parts = [dense(block, q) for block in singly]
+    np.testing.assert_allclose(f, sum(part[0] for part in parts), atol=1e-13 * np.abs(f).max())
+    np.testing.assert_allclose(K, sum(part[1] for part in parts), atol=1e-13 * np.abs(K).max())
+    assert model("plate", *mesh.tables, C).energy(0.0, q) == pytest.approx(sum(b.energy(0.0, q) for b in singly), rel=1e-13)
+
+
+def test_section_may_differ_from_element_to_element(mesh, rng):
+    model = module(mesh.element, "block").STRAIN_MODELS["exact"]
+    sections = np.array([section(rng) for _ in mesh.coords])
+    q = deformed(mesh, rng)
+    singly = [model("p", *(t[k : k + 1] for t in mesh.tables), C).energy(0.0, q) for k, C in enumerate(sections)]
+    assert model("plate", *mesh.tables, sections).energy(0.0, q) == pytest.approx(sum(singly), rel=1e-13)
+
+
+# --- linear strains --------------------------------------------------------------------------------------------------------------
+
+
+def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng):
+    models, C = module(mesh.element, "block").STRAIN_MODELS, section(rng)
+    linear, full = (models[name]("plate", *mesh.tables, C) for name in ("linear", "exact"))
+    f, K = dense(linear, mesh.rest, alpha_q=0.5)
+    np.testing.assert_allclose(f, 0.0, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(2 * K, dense(full, mesh.rest)[1], atol=1e-12 * np.abs(K).max())
+    d = rng.standard_normal(mesh.rest.shape)
+    np.testing.assert_allclose(gathered_force(linear, mesh.rest + d), 2 * K @ d, atol=1e-11 * np.abs(K @ d).max())
+    assert linear.energy(0.0, mesh.rest + d) == pytest.approx(d @ K @ d, rel=1e-11)
+    errors = [
+        np.abs(gathered_force(full, mesh.rest + h * d) - gathered_force(linear, mesh.rest + h * d)).max() for h in (2e-5, 1e-5)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)  # quadratic remainder
+
+
+# --- inertia ---------------------------------------------------------------------------------------------------------------------
+
+
+def mass_matrix(mesh, density):
+    rows, columns, values = module(mesh.element, "block").ShellInertia("plate", *mesh.tables, density).mass()
+    M = np.zeros((len(mesh.rest), len(mesh.rest)))
+    np.add.at(M, (rows, columns), values)
+    return M
+
+
+def test_mass_is_symmetric_positive_and_carries_rigid_translation(mesh):
+    M = mass_matrix(mesh, 2.5)
+    np.testing.assert_allclose(M, M.T, atol=1e-15)
+    assert np.linalg.eigvalsh(M).min() > 0
+    v = np.zeros((len(mesh.is_position), 3))
+    v[mesh.is_position] = [3.0, 0.0, 4.0]
+    recovery = module(mesh.element, "recovery").ShellRecovery(mesh.element, *mesh.tables)
+    area = surface_area(mesh)
+    assert v.reshape(-1) @ M @ v.reshape(-1) == pytest.approx(2.5 * area * 25.0, rel=1e-12)
+    assert recovery.at(mesh.rest, np.array([0]), np.array([0.0]), np.array([0.0])).r[0] == pytest.approx(mesh.rest[:3])
+
+
+def surface_area(mesh):
+    xi, eta, weights = gauss_points(4)
+    vectors = (mesh.reference * mesh.scale).reshape(len(mesh.coords), -1, 3)
+    _, R_x, R_y = np.einsum("dgs,esc->degc", mesh.element.shape(xi, eta)[:3], vectors)
+    return (np.linalg.norm(np.cross(R_x, R_y), axis=-1) @ weights).sum()
+
+
+# --- damping ---------------------------------------------------------------------------------------------------------------------
+
+
+def viscous(mesh, rng):
+    return module(mesh.element, "damping").KelvinVoigtBlock("plate", *mesh.tables, section(rng), 0.3)
+
+
+def test_damping_leaves_rigid_motion_alone(mesh, rng):
+    block, q = viscous(mesh, rng), deformed(mesh, rng)
+    spin = np.cross(rng.standard_normal(3), q.reshape(-1, 3))
+    spin[mesh.is_position] += rng.standard_normal(3)
+    typical = gathered_force(block, q, rng.standard_normal(q.shape))
+    assert np.abs(gathered_force(block, q, spin.reshape(-1))).max() < 1e-12 * np.abs(typical).max()
+    assert 0 <= block.dissipation(0.0, q, spin.reshape(-1)) < 1e-20 * block.dissipation(0.0, q, rng.standard_normal(q.shape))
+
+
+def test_damping_force_is_the_rate_of_the_elastic_one_in_its_power(mesh, rng):
+    block, q, v = viscous(mesh, rng), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
+    assert gathered_force(block, q, v) @ v == pytest.approx(block.dissipation(0.0, q, v), rel=1e-12)
+    assert block.dissipation(0.0, q, v) > 0
+    assert block.energy(0.0, q) == 0.0
+
+
+def test_damping_at_rest_is_the_elastic_stiffness_times_the_retardation_time(mesh):
+    damper = viscous(mesh, np.random.default_rng(3))
+    shell = exact(mesh, np.random.default_rng(3))
+    D = dense(damper, mesh.rest, 0.0 * mesh.rest, 0.0, 1.0)[1]
+    K = dense(shell, mesh.rest)[1]
+    np.testing.assert_allclose(D, 0.3 * K, atol=1e-12 * np.abs(K).max())
+
+
+@pytest.mark.parametrize(("alpha_q", "alpha_v"), [(1.0, 0.0), (0.0, 1.0), (1.3, 0.7)])
+def test_damping_tangent(mesh, rng, alpha_q, alpha_v):
+    block, q, v, d = viscous(mesh, rng), deformed(mesh, rng), *rng.standard_normal((2, len(mesh.rest)))
+    f, K = dense(block, q, v, alpha_q, alpha_v)
+    numeric = derivative(lambda h: gathered_force(block, q + alpha_q * h * d, v + alpha_v * h * d), 2e-4)
+    np.testing.assert_allclose(f, gathered_force(block, q, v), rtol=1e-14)
+    np.testing.assert_allclose(K @ d, numeric, atol=1e-9 * np.abs(numeric).max())
+
+
+def test_mass_damping_is_a_constant_matrix(mesh, rng):
+    inertia = module(mesh.element, "block").ShellInertia("plate", *mesh.tables, 2.5)
+    block, v = module(mesh.element, "damping").MassDampingBlock("plate", inertia, 0.2), rng.standard_normal(mesh.rest.shape)
+    M = mass_matrix(mesh, 2.5)
+    f, D = dense(block, mesh.rest, v, 1.0, 3.0)
+    np.testing.assert_allclose(D, 0.6 * M, atol=1e-15)
+    np.testing.assert_allclose(f, 0.2 * M @ v, atol=1e-14)
+    assert block.dissipation(0.0, mesh.rest, v) == pytest.approx(0.2 * v @ M @ v, rel=1e-12)
+
+
+# --- messages --------------------------------------------------------------------------------------------------------------------
+
+
+def test_impossible_input_is_refused_with_one_message(element, rng):
+    mesh, C = patch(element, [0.0, 1.0], [0.0, 1.0]), section(rng)
+    blocks = module(element, "block")
+    model = blocks.STRAIN_MODELS["exact"]
+    with pytest.raises(ModelError, match="wing: element tables have shapes"):
+        model("wing", mesh.coords[:, :24], mesh.scale, mesh.reference, C)
+    with pytest.raises(ModelError, match="wing: stiffness has shape"):
+        model("wing", *mesh.tables, C[:3, :3])
+    with pytest.raises(ModelError, match="not symmetric"):
+        model("wing", *mesh.tables, np.triu(C))
+    with pytest.raises(ModelError, match="n_gauss = 1"):
+        model("wing", *mesh.tables, C, 1)
+    with pytest.raises(ModelError, match="wing: element 0 has no area"):
+        model("wing", mesh.coords, mesh.scale, 0.0 * mesh.reference, C)
+    with pytest.raises(ModelError, match="mass per area is -1"):
+        blocks.ShellInertia("wing", *mesh.tables, -1.0)
