@@ -54,21 +54,24 @@ def _subtract_8(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, 
 
 
 @njit
-def _subtract(
-    c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, signs: Floats, b: Floats, n: int
-) -> None:
-    """C -= A S A^T on the lower triangle of the first columns of C.
-
-    C (rows, columns) at c[c0] and A (rows, n) at a[a0] stand by columns; rows is a multiple of 8, columns of 4.
-    """
+def _pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
+    """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0]."""
     i = 0
     for column in range(0, columns, 4):
         for k in range(n):
             source = a0 + column + k * a_len
-            sign = signs[k]
+            sign = signs[s0 + k]
             b[i], b[i + 1] = sign * a[source], sign * a[source + 1]
             b[i + 2], b[i + 3] = sign * a[source + 2], sign * a[source + 3]
             i += 4
+
+
+@njit
+def _subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
+    """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
+
+    Rows are a multiple of 8, columns of 4.
+    """
     row = 0
     while row + 24 <= rows:
         for column in range(0, min(columns, row + 24), 4):
@@ -81,32 +84,14 @@ def _subtract(
 
 
 @njit
-def _subtract_before(a: Floats, a0: int, a_len: int, first: int, j: int, signs: Floats, b: Floats) -> None:
-    """Subtract columns first ... j - 1 of a panel from columns j ... j + 3, in the rows from the last multiple of 8 on."""
-    n, start = j - first, j - j % 8
-    for k in range(n):
-        source = a0 + (first + k) * a_len + j
-        for i in range(4):
-            b[4 * k + i] = signs[k] * a[source + i]
-    c0, left = a0 + j * a_len, a0 + first * a_len
-    row = start
-    while row + 24 <= a_len:
-        _subtract_24(a, c0 + row, a_len, a, left + row, a_len, b, 0, n)
-        row += 24
-    while row < a_len:
-        _subtract_8(a, c0 + row, a_len, a, left + row, a_len, b, 0, n)
-        row += 8
-
-
-@njit
-def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs: Floats) -> int:
+def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs: Floats, s0: int) -> int:
     """L S L^T of the 4 by 4 block at a[corner]; -1, or the column whose pivot is within its limit (or not a number)."""
     for i in range(4):
         pivot = a[corner + i * a_len + i]
-        if not abs(pivot) > limits[i]:
+        if not abs(pivot) > limits[s0 + i]:
             return i
         sign = 1.0 if pivot > 0 else -1.0
-        signs[i] = sign
+        signs[s0 + i] = sign
         root = math.sqrt(abs(pivot))
         a[corner + i * a_len + i] = root
         for row in range(i + 1, 4):
@@ -118,18 +103,18 @@ def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs:
 
 
 @njit
-def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats) -> int:
+def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panel at a[a0], from which all columns before are already subtracted."""
     corner = a0 + j * a_len + j
-    failed = _factorise_corner(a, corner, a_len, limits[j:], signs[j:])
+    failed = _factorise_corner(a, corner, a_len, limits, signs, s0 + j)
     if failed >= 0:
         return j + failed
     c0 = a0 + j * a_len
     c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
-    s0, s1, s2, s3 = signs[j], signs[j + 1], signs[j + 2], signs[j + 3]
-    l10, l20, l30 = s0 * a[c0 + j + 1], s0 * a[c0 + j + 2], s0 * a[c0 + j + 3]
-    l21, l31, l32 = s1 * a[c1 + j + 2], s1 * a[c1 + j + 3], s2 * a[c2 + j + 3]
-    d0, d1, d2, d3 = s0 / a[c0 + j], s1 / a[c1 + j + 1], s2 / a[c2 + j + 2], s3 / a[c3 + j + 3]
+    f0, f1, f2, f3 = signs[s0 + j], signs[s0 + j + 1], signs[s0 + j + 2], signs[s0 + j + 3]
+    l10, l20, l30 = f0 * a[c0 + j + 1], f0 * a[c0 + j + 2], f0 * a[c0 + j + 3]
+    l21, l31, l32 = f1 * a[c1 + j + 2], f1 * a[c1 + j + 3], f2 * a[c2 + j + 3]
+    d0, d1, d2, d3 = f0 / a[c0 + j], f1 / a[c1 + j + 1], f2 / a[c2 + j + 2], f3 / a[c3 + j + 3]
     row = j + 4
     while row % 8:
         x0 = a[c0 + row] * d0
@@ -150,40 +135,56 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
 
 @njit
 def _factorise_front(
-    a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, b: Floats
+    a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, s0: int, b: Floats
 ) -> int:
     """Factorise a panel and subtract it from its update, ``BLOCK`` columns at a time; -1, or the pivot that failed."""
     for first in range(0, p, BLOCK):
         last = min(first + BLOCK, p)
-        s = signs[first:]
+        left, sign = a0 + first * a_len, s0 + first
         for j in range(first, last, 4):
-            if j > first:
-                _subtract_before(a, a0, a_len, first, j, s, b)
-            failed = _factorise_columns(a, a0, a_len, j, limits, signs)
+            n, start, width = j - first, j - j % 8, min(4, p - j)
+            if n:
+                _pack(a, left + j, a_len, width, signs, sign, b, n)
+                _subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
+            failed = _factorise_columns(a, a0, a_len, j, limits, signs, s0)
             if failed >= 0:
                 return failed
-        left = a0 + first * a_len
+        n = last - first
         if last < p:
-            _subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, s, b, last - first)
+            _pack(a, left + last, a_len, p - last, signs, sign, b, n)
+            _subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, b, n)
         if u_len:
-            _subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, s, b, last - first)
+            _pack(a, left + p, a_len, u_len, signs, sign, b, n)
+            _subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, b, n)
     return -1
 
 
 @njit
-def _extend_add(u: Floats, u0: int, u_len: int, runs: Ints, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int) -> None:
+def _extend_add(
+    u: Floats, u0: int, u_len: int, runs: Ints, first: int, last: int, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int
+) -> None:
     """Add a child's update at u[u0] to its parent's panel (a0) and update (t0).
 
-    A run (row of the child, row of the parent, length) goes to consecutive rows; no run crosses row p of the parent.
+    Each of the runs first ... last - 1 (row of the child, row of the parent, length) has consecutive rows; none crosses row p.
     """
-    for r in range(len(runs)):
+    for r in range(first, last):
         for j in range(runs[r, 2]):
             source, target = u0 + (runs[r, 0] + j) * u_len, runs[r, 1] + j
-            for run in runs[r:]:
-                if target < p:
-                    _add(a, a0 + target * a_len + run[1], u, source + run[0], run[2])
-                else:
-                    _add(u, t0 + (target - p) * t_len + run[1] - p, u, source + run[0], run[2])
+            if target < p:
+                column = a0 + target * a_len
+                for i in range(r, last):
+                    _add(a, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
+            else:
+                column = t0 + (target - p) * t_len - p
+                for i in range(r, last):
+                    _add(u, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
+
+
+@njit
+def _clear(c: Floats, c0: int, n: int) -> None:
+    """c[c0:] = 0 for n entries."""
+    for i in range(c0, c0 + n):
+        c[i] = 0.0
 
 
 @njit
@@ -221,88 +222,21 @@ def factorise(
     Returns:
         -1, or the position whose pivot is within its limit.
     """
-    a[:] = 0.0
+    for i in range(len(a)):
+        a[i] = 0.0
     for i in range(len(k)):
         a[slots[i]] = k[i]
     for i in range(len(ones)):
         a[ones[i]] = 1.0
     for f in range(len(fronts) - 1):
-        first, p, a_len, a0, _, u_len, u0 = fronts[f, :7]
-        u[u0 : u0 + u_len * u_len] = 0.0
+        first, p, a_len, a0, u_len, u0 = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
+        _clear(u, u0, u_len * u_len)
         child = fronts[f, 9]
         while child >= 0:
-            part = runs[fronts[child, 8] : fronts[child + 1, 8]]
-            _extend_add(u, fronts[child, 6], fronts[child, 5], part, a, a0, a_len, p, u0, u_len)
+            r0, r1 = fronts[child, 8], fronts[child + 1, 8]
+            _extend_add(u, fronts[child, 6], fronts[child, 5], runs, r0, r1, a, a0, a_len, p, u0, u_len)
             child = fronts[child, 10]
-        failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits[first:], signs[first:], b)
+        failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits, signs, first, b)
         if failed >= 0:
             return first + failed
     return -1
-
-
-@njit
-def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
-    """y <- L^-1 y for the pivots, rest of y minus what they cause."""
-    for k in range(p):
-        column = a0 + k * a_len
-        x = y[k] / a[column + k]
-        y[k] = x
-        row = k + 1
-        while row % 8:
-            y[row] -= a[column + row] * x
-            row += 1
-        while row < a_len:
-            lane.store(y, row, lane.load(y, row) - x * lane.load(a, column + row))
-            row += 8
-
-
-@njit
-def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats, total: Floats) -> None:
-    """y <- L^-T y for the pivots, with the rest of y known."""
-    for k in range(p - 1, -1, -1):
-        column = a0 + k * a_len
-        x = y[k]
-        row = k + 1
-        while row % 8:
-            x -= a[column + row] * y[row]
-            row += 1
-        part = lane.spread(0.0)
-        while row < a_len:
-            part = part + lane.load(a, column + row) * lane.load(y, row)
-            row += 8
-        lane.store(total, 0, part)
-        x -= total[0] + total[1] + total[2] + total[3] + total[4] + total[5] + total[6] + total[7]
-        y[k] = x / a[column + k]
-
-
-@njit
-def solve(fronts: Ints, rows: Ints, a: Floats, signs: Floats, x: Floats, y: Floats) -> None:
-    """x <- K^-1 x, by position.
-
-    Args:
-        fronts: as in :func:`factorise`.
-        rows: position of each remaining row, front after front.
-        a: panels with L.
-        signs: signs S by position.
-        x: right-hand side and solution by position, zero at padded pivots.
-        y: workspace of the longest panel column and eight.
-    """
-    total = y[len(y) - 8 :]
-    for f in range(len(fronts) - 1):
-        first, p, a_len, a0, n = fronts[f, :5]
-        start = fronts[f, 7]
-        y[:p] = x[first : first + p]
-        y[p:a_len] = 0.0
-        _forward(a, a0, a_len, p, y)
-        x[first : first + p] = y[:p] * signs[first : first + p]
-        for i in range(n):
-            x[rows[start + i]] += y[p + i]
-    for f in range(len(fronts) - 2, -1, -1):
-        first, p, a_len, a0, n = fronts[f, :5]
-        start = fronts[f, 7]
-        y[:p] = x[first : first + p]
-        y[p:a_len] = 0.0
-        for i in range(n):
-            y[p + i] = x[rows[start + i]]
-        _backward(a, a0, a_len, p, y, total)
-        x[first : first + p] = y[:p]

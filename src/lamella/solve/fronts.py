@@ -33,7 +33,7 @@ class Front:
 
 
 def nodes_of(pattern: Pattern) -> tuple[list[Ints], sparse.csr_array]:
-    """Groups of coordinates with the same neighbours, and the graph of the groups with its diagonal."""
+    """Groups of coordinates with the same neighbours, and the graph of the groups: ones, with the diagonal."""
     graph = (pattern.matrix(np.ones(len(pattern.indices))) + sparse.eye_array(pattern.n)).tocsr()
     graph.sort_indices()
     groups: dict[bytes, list[int]] = {}
@@ -41,14 +41,15 @@ def nodes_of(pattern: Pattern) -> tuple[list[Ints], sparse.csr_array]:
         groups.setdefault(graph.indices[graph.indptr[i] : graph.indptr[i + 1]].tobytes(), []).append(i)
     nodes = [np.array(group) for group in groups.values()]
     heads = np.array([group[0] for group in nodes], dtype=np.int64)
-    return nodes, graph[heads][:, heads].tocsr()
+    reduced = graph[heads][:, heads].tocsr()
+    return nodes, sparse.csr_array((np.ones(reduced.nnz), reduced.indices, reduced.indptr), shape=reduced.shape)
 
 
 def _candidates(graph: sparse.csr_array) -> list[Ints]:
     """Orders worth trying: node at each position."""
-    n = graph.shape[0]
+    n = len(graph.indptr) - 1
     degree = np.diff(graph.indptr)
-    dominant = sparse.csc_array(sparse.diags_array(degree + 1.0) - (graph != 0).astype(float))
+    dominant = sparse.csc_array(sparse.diags_array(degree + 1.0) - graph)
     by_degree = splu(dominant, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c
     natural = np.arange(n)
     return [natural, np.asarray(reverse_cuthill_mckee(graph, symmetric_mode=True)), np.argsort(by_degree), np.asarray(by_degree)]

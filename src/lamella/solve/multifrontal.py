@@ -6,7 +6,7 @@ import numpy as np
 
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Ints
-from lamella.solve import front_kernels
+from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
 from lamella.solve.fronts import Front, fronts_of, nodes_of
 
@@ -103,7 +103,7 @@ class Multifrontal(SymmetricFactor):
                 space.give(table[child, 6], table[child, 5] ** 2)
                 child = table[child, 10]
             if n:
-                parent = self._front_of[self._coordinate[rows[0]]]
+                parent = int(self._front_of[self._coordinate[rows[0]]])
                 table[f, 10], table[parent, 9] = table[parent, 9], f
                 runs.append(_runs(self._local(parent, rows), table[parent, 1]))
                 n_run += len(runs[-1])
@@ -160,6 +160,6 @@ class Multifrontal(SymmetricFactor):
         for i in range(columns.shape[1]):
             z[self._padded] = 0.0
             z[self._position] = columns[:, i]
-            front_kernels.solve(self._fronts, self._rows, self._a, self._signs, z, self._y)
+            front_solution.solve(self._fronts, self._rows, self._a, self._signs, z, self._y)
             out[:, i] = z[self._position]
         return x
