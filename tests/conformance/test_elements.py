@@ -42,7 +42,7 @@ def deformed(mesh, rng, size=0.05):
     return mesh.rest + size * rng.standard_normal(mesh.rest.shape)
 
 
-# --- shape functions -------------------------------------------------------------------------------------------------------------
+# --- shape functions ------------------------------------------------------------------------------
 
 
 def test_coordinates_are_the_values_and_derivatives_at_the_nodes(element):
@@ -72,7 +72,7 @@ def test_magnitudes_and_scales_follow_the_derivatives(element):
     assert element.scales(0.5, 0.25)[1] == 0.5
 
 
-# --- exact strains ---------------------------------------------------------------------------------------------------------------
+# --- exact strains --------------------------------------------------------------------------------
 
 
 def test_rigid_motion_gives_no_force_and_no_energy(mesh, rng):
@@ -188,7 +188,7 @@ def test_section_may_differ_from_element_to_element(mesh, rng):
     assert model("plate", *mesh.tables, sections).energy(0.0, q) == pytest.approx(sum(singly), rel=1e-13)
 
 
-# --- linear strains --------------------------------------------------------------------------------------------------------------
+# --- linear strains -------------------------------------------------------------------------------
 
 
 def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng):
@@ -206,7 +206,7 @@ def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng):
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)  # quadratic remainder
 
 
-# --- inertia ---------------------------------------------------------------------------------------------------------------------
+# --- inertia --------------------------------------------------------------------------------------
 
 
 def mass_matrix(mesh, density):
@@ -235,7 +235,7 @@ def surface_area(mesh):
     return (np.linalg.norm(np.cross(R_x, R_y), axis=-1) @ weights).sum()
 
 
-# --- damping ---------------------------------------------------------------------------------------------------------------------
+# --- damping --------------------------------------------------------------------------------------
 
 
 def viscous(mesh, rng):
@@ -285,7 +285,7 @@ def test_mass_damping_is_a_constant_matrix(mesh, rng):
     assert block.dissipation(0.0, mesh.rest, v) == pytest.approx(0.2 * v @ M @ v, rel=1e-12)
 
 
-# --- messages --------------------------------------------------------------------------------------------------------------------
+# --- messages -------------------------------------------------------------------------------------
 
 
 def test_impossible_input_is_refused_with_one_message(element, rng):

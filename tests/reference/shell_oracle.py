@@ -1,10 +1,12 @@
-"""Slow and plain strain energy of a Plate48 element, written apart from the package: physical coordinates, tensors, complex numbers.
+"""Plain strain energy of a Plate48 element, written apart from the package: physical coordinates, tensors, complex numbers.
 
-Forces come from the energy by complex step, which has no cancellation; tangents by a complex step in one direction and a Richardson
-difference in the other.
+Forces come from the energy by complex step, which has no cancellation; second derivatives by differences of these. Coordinates
+may carry axes in front, (..., 48), for many states at once.
 """
 
 from __future__ import annotations
+
+from functools import cache
 
 import numpy as np
 
@@ -19,61 +21,76 @@ def hermite(s, length):
     return (powers @ coefficients) / np.array([1, length, length**2])[:, None]
 
 
-def surface(e, lengths, xi, eta):
-    """Derivatives {(p, q): vector} by physical x, y of the surface with the unscaled coordinates e (48,)."""
+@cache
+def shape(lengths, xi, eta):
+    """Weights of the 16 unscaled vectors {(p, q): (16,)} in the derivatives by physical x (p times) and y (q times)."""
     in_x, in_y = hermite(xi, lengths[0]), hermite(eta, lengths[1])
-    vectors = np.asarray(e).reshape(4, 4, 3)
-    out = {}
-    for p in range(3):
-        for q in range(3):
-            value = np.zeros(3, vectors.dtype)
-            for node, (i, j) in enumerate(NODES):
-                for k, (dx, dy) in enumerate([(0, 0), (1, 0), (0, 1), (1, 1)]):
-                    value = value + in_x[p, 2 * i + dx] * in_y[q, 2 * j + dy] * vectors[node, k]
-            out[p, q] = value
-    return out
+    places = [(2 * i + dx, 2 * j + dy) for i, j in NODES for dx, dy in [(0, 0), (1, 0), (0, 1), (1, 1)]]
+    return {(p, q): np.array([in_x[p, a] * in_y[q, b] for a, b in places]) for p in range(3) for q in range(3)}
+
+
+def surface(e, lengths, xi, eta):
+    """Derivatives {(p, q): vector} by physical x, y of the surface with the unscaled coordinates e (..., 48)."""
+    vectors = np.asarray(e).reshape(*np.shape(e)[:-1], 16, 3)
+    return {key: np.einsum("s,...sc->...c", weights, vectors) for key, weights in shape(lengths, xi, eta).items()}
+
+
+def product(u, v):
+    """Scalar product without conjugation."""
+    return (u * v).sum(axis=-1)
+
+
+def matrix(xx, xy, yy):
+    """Symmetric 2 x 2 matrices."""
+    return np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
 
 
 def forms(d):
-    """First and second fundamental forms and the normal vector's length; products without conjugation."""
+    """First and second fundamental forms, the normal vector's length and the unit normal."""
     n = np.cross(d[1, 0], d[0, 1])
-    length = np.sqrt(n @ n)
-    n0 = n / length
-    a = np.array([[d[1, 0] @ d[1, 0], d[1, 0] @ d[0, 1]], [d[1, 0] @ d[0, 1], d[0, 1] @ d[0, 1]]])
-    b = np.array([[d[2, 0] @ n0, d[1, 1] @ n0], [d[1, 1] @ n0, d[0, 2] @ n0]])
+    length = np.sqrt(product(n, n))
+    n0 = n / length[..., None]
+    a = matrix(product(d[1, 0], d[1, 0]), product(d[1, 0], d[0, 1]), product(d[0, 1], d[0, 1]))
+    b = matrix(product(d[2, 0], n0), product(d[1, 1], n0), product(d[0, 2], n0))
     return a, b, length, n0
 
 
 def local_strains(e, reference, lengths, xi, eta):
-    """(eps, kap) with doubled shear and twist in the local frame, and the reference area factor."""
+    """(eps, kap) with doubled shear and twist in the local frame, shape (..., 6), and the reference area factor."""
     d, d0 = surface(e, lengths, xi, eta), surface(reference, lengths, xi, eta)
     (a, b, _, _), (a0, b0, area, normal) = forms(d), forms(d0)
     first = d0[1, 0] / np.linalg.norm(d0[1, 0])
     axes = np.stack([first, np.cross(normal, first)])
     inverse = np.linalg.inv(np.stack([d0[1, 0], d0[0, 1]]) @ axes.T)
     eps, kap = (inverse @ tensor @ inverse.T for tensor in (0.5 * (a - a0), b - b0))
-    return np.array([eps[0, 0], eps[1, 1], 2 * eps[0, 1], kap[0, 0], kap[1, 1], 2 * kap[0, 1]]), area
+    parts = [value for x in (eps, kap) for value in (x[..., 0, 0], x[..., 1, 1], 2 * x[..., 0, 1])]
+    return np.stack(parts, axis=-1), area
+
+
+def gauss_grid(n):
+    """(xi, eta, weight) of the n x n rule on the unit square."""
+    points, weights = (0.5 * values for values in np.polynomial.legendre.leggauss(n))
+    places = list(zip(points + 0.5, weights, strict=True))
+    return [(xi, eta, u * w) for xi, u in places for eta, w in places]
 
 
 def energy(e, reference, lengths, stiffness, n_gauss=4):
     """Strain energy of one element; complex coordinates are allowed."""
-    points, weights = np.polynomial.legendre.leggauss(n_gauss)
     total = 0.0
-    for xi, w_xi in zip(0.5 * (points + 1), 0.5 * weights, strict=True):
-        for eta, w_eta in zip(0.5 * (points + 1), 0.5 * weights, strict=True):
-            s, area = local_strains(e, reference, lengths, xi, eta)
-            total = total + 0.5 * (s @ stiffness @ s) * area * w_xi * w_eta * lengths[0] * lengths[1]
+    for xi, eta, weight in gauss_grid(n_gauss):
+        s, area = local_strains(e, reference, lengths, xi, eta)
+        total = total + 0.5 * product(s @ stiffness, s) * area * weight * lengths[0] * lengths[1]
     return total
 
 
-def force(e, reference, lengths, stiffness, n_gauss=4, step=1e-30):
-    """dW/de by complex step, exact to round-off."""
-    out = np.empty(48)
-    for k in range(48):
-        moved = np.array(e, complex)
-        moved[k] += 1j * step
-        out[k] = energy(moved, reference, lengths, stiffness, n_gauss).imag / step
-    return out
+def complex_gradient(function, e, step=1e-30):
+    """Gradient of a scalar function of e (48,) by complex step, exact to rounding."""
+    return function(e + 1j * step * np.eye(48)).imag / step
+
+
+def force(e, reference, lengths, stiffness, n_gauss=4):
+    """dW/de."""
+    return complex_gradient(lambda x: energy(x, reference, lengths, stiffness, n_gauss), e)
 
 
 def directional_derivative(function, direction, size):
