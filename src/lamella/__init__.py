@@ -41,9 +41,9 @@ if TYPE_CHECKING:
     from lamella.math.profile import Table as Table
     from lamella.modal import Modes as Modes
     from lamella.modal import modes as modes
+    from lamella.motion import simulate as simulate
     from lamella.result import Outcome as Outcome
     from lamella.result import Result as Result
-    from lamella.motion import simulate as simulate
     from lamella.solve.arc_length import ArcLength as ArcLength
     from lamella.solve.newton import Newton as Newton
     from lamella.statics import equilibrium as equilibrium

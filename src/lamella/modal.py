@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -67,12 +68,12 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
     order = np.argsort(values)
     values, vectors = values[order], vectors[:, order]
     frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
-    return Modes(model, frequencies, equations.T @ vectors, equations.coordinates(point))
+    return Modes(model, frequencies, equations.elimination.T @ vectors, equations.coordinates(point))
 
 
 def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:
     """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too."""
-    n_u, n_lam = K.shape[0], J.shape[0]
+    n_u, n_lam = len(magnitude), len(J.indptr) - 1
     scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
     K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), J @ scale
     shift = -1e-3 * _typical(K, M)
@@ -88,7 +89,7 @@ def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: in
     def inverse(x: Floats) -> Floats:
         return factor.solve(np.concatenate([np.ravel(x), np.zeros(n_lam)]))[:n_u]
 
-    operator = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)
+    operator: Any = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
     start = inverse(M @ np.ones(n_u))
     values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
     return values, scale @ vectors
@@ -98,7 +99,7 @@ def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
     """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift."""
     rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
     factor = linalg.splu(sparse.csc_matrix(K + rough * M))
-    x, value = np.random.default_rng(0).standard_normal(K.shape[0]), 0.0
+    x, value = np.random.default_rng(0).standard_normal(len(K.indptr) - 1), 0.0
     for _ in range(4):
         x = factor.solve(M @ x)
         x /= np.sqrt(x @ (M @ x))

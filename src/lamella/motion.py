@@ -15,7 +15,7 @@ from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
 from lamella.solve.initial import make_consistent, solve_rates
-from lamella.solve.linear import linear_solver
+from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 from lamella.system import System
 
@@ -34,7 +34,7 @@ def simulate(
     initial: State | None = None,
     frames: int = 100,
     sinks: Sequence[Sink] = (),
-    solver: str = "auto",
+    solver: Method = "auto",
     on_failure: str = "raise",
 ) -> Result:
     """Integrate the equations of motion from a consistent start.

@@ -29,8 +29,8 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 Symmetry = Literal["symmetric", "nearly", "none"]
-"""Tangent of a block: ``symmetric`` (derivative of an energy; the block lists its upper triangle only), ``nearly`` (all entries listed;
-Newton may use the symmetric part) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
+"""Tangent of a block: ``symmetric`` (derivative of an energy; the block lists its upper triangle only), ``nearly`` (all
+entries listed; Newton may use the symmetric part) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
 
 
 class Declaration(ABC):
@@ -56,7 +56,7 @@ class ForceBlock(ABC):
 
     1. ``f_coords`` (n_f,) holds the global coordinate of each entry of the force buffer, -1 for padding; ``f_scale`` (n_f,) the
        factor with which the entry enters the sum.
-    2. ``k_rows, k_cols, k_scale`` (n_k,) the same for the tangent buffer. A ``symmetric`` block lists each off-diagonal pair once.
+    2. ``k_rows, k_cols, k_scale`` (n_k,): the same for the tangent. A ``symmetric`` block lists each off-diagonal pair once.
     3. ``force`` overwrites the force buffer with the block's part of f = f_int - f_ext. It allocates nothing per element.
     4. ``force_tangent`` also overwrites the tangent buffer with alpha_q df/dq + alpha_v df/dv, exact at (t, q, v) when
        ``q_previous`` is q. ``q_previous`` is Newton's previous iterate: a block may use it to take the stress of the geometric

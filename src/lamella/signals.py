@@ -25,8 +25,8 @@ def system_signals(equations: Equations) -> list[Signal]:
 def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     """Force and torque that a support exerts on its body.
 
-    The support's generalised force R = C^T mu acts on vectors x_k; a virtual translation gives the force, the sum over positions of
-    R_k, and a virtual rotation about the centre c the torque, the sum of (x_k - c) x R_k with c for positions only.
+    The support's generalised force R = C^T mu acts on vectors x_k; a virtual translation gives the force, the sum over
+    positions of R_k, and a virtual rotation about the centre c the torque, the sum of (x_k - c) x R_k with c for positions only.
     """
     places = {row: k for k, row in enumerate(equations.elimination.kept)}
     own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
@@ -53,7 +53,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
 
 
 class WorkMeter:
-    """Work done since the first state it was given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
+    """Work done since the first state given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
 
     For constant forces this is exact whatever the step.
 
@@ -77,8 +77,8 @@ class WorkMeter:
 def energy_signals(equations: Equations) -> list[Signal]:
     """Kinetic and strain energy, work of loads and of moving supports, heat, and the balance of them all.
 
-    The balance is kinetic + strain + dissipated - work of loads - work of supports, minus its first value: zero for an exact solution;
-    in motion what the integrator has damped (negative) or gained.
+    The balance is kinetic + strain + dissipated - work of loads - work of supports, minus its first value: zero for an exact
+    solution; in motion what the integrator has damped (negative) or gained.
     """
     model, elimination = equations.model, equations.elimination
     clock = np.zeros(1)

@@ -17,7 +17,8 @@ class State:
         v: their velocities, shape (n_q,).
         a: their accelerations, shape (n_q,).
         lam: Lagrange multipliers of the constraints that are not eliminated, shape (n_lam,).
-        mu: forces of the eliminated constraints, one for each row kept; the reaction is M a + f + Phi_q^T lam = C^T mu, shape (n_rows,).
+        mu: forces of the eliminated constraints, one for each row kept, shape (n_rows,): the reaction is
+            M a + f + Phi_q^T lam = C^T mu.
         factor: load factor in statics, 1 in motion.
     """
 

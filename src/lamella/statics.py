@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
-from lamella.errors import ConvergenceError, DeclarationError, ModelError
+from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.model import Model
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.arc_length import ArcLength
-from lamella.solve.linear import linear_solver
+from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
 from lamella.system import System
 
@@ -30,7 +30,7 @@ def equilibrium(
     newton: Newton = STATIC_NEWTON,
     smallest_step: float = 1e-4,
     sinks: Sequence[Sink] = (),
-    solver: str = "auto",
+    solver: Method = "auto",
     on_failure: str = "raise",
 ) -> Result:
     """Geometrically nonlinear static equilibrium f(q) = 0 under the loads and support motions at time ``t``.
@@ -70,7 +70,7 @@ def equilibrium_path(
     arc: ArcLength | None = None,
     newton: Newton = STATIC_NEWTON,
     sinks: Sequence[Sink] = (),
-    solver: str = "auto",
+    solver: Method = "auto",
     on_failure: str = "raise",
 ) -> Result:
     """Follow the equilibrium path by its arc length, through limit points of load (snap-through) and of displacement (snap-back).
@@ -96,7 +96,7 @@ def equilibrium_path(
 
 
 def _checked_steps(steps: Sequence[float] | int) -> list[float]:
-    factors = list(np.linspace(0.0, 1.0, steps + 1)[1:]) if isinstance(steps, int) else [float(s) for s in steps]
+    factors = [float(s) for s in (np.linspace(0.0, 1.0, steps + 1)[1:] if isinstance(steps, int) else steps)]
     if not factors or not np.isfinite(factors).all() or np.any(np.diff([0.0, *factors]) <= 0):
         raise DeclarationError(
             "equilibrium", f"steps = {steps}", "accepted is a positive number of steps or ascending factors above 0"
@@ -131,7 +131,7 @@ def _climb(run: _Run, factors: Sequence[float], smallest: float) -> Outcome:
 class _Run:
     """What both kinds of static solution share: equations, Newton, recording and the end."""
 
-    def __init__(self, system: System | Model, t: float, newton: Newton, solver: str, *, single: bool = True) -> None:
+    def __init__(self, system: System | Model, t: float, newton: Newton, solver: Method, *, single: bool = True) -> None:
         self.began = time.perf_counter()
         self.model = system.compile() if isinstance(system, System) else system
         if not self.model.rows and not self.model.constraints:
@@ -157,12 +157,14 @@ class _Run:
         count = len(self.recorder.at)
         self.recorder.sample(point.factor if self.axis == "load_factor" else float(count), self.state)
 
-    def guarded(self, solve, until: float) -> Outcome:  # type: ignore[no-untyped-def]
+    def guarded(self, solve: Callable[[], Outcome], until: float) -> Outcome:
         """Run a solution; an interruption ends it with what was recorded."""
         try:
             return solve()
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.point.factor, until)
+        except ResultFileError as error:
+            return Outcome(Cause.WRITE_FAILED, self.point.factor, until, str(error))
 
     def close(self, outcome: Outcome, on_failure: str) -> Result:
         """End the recording and give the result, or raise."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
 
+from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.matrix import MatrixAssembly
+from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
 from lamella.roles import Floats
@@ -28,18 +29,20 @@ class Equations:
     def __init__(self, model: Model, symmetric: bool | None = None) -> None:
         self.model = model
         self.elimination = eliminate(model.rows, model.n_q)
-        self.T, self.T_transposed = self.elimination.T, sparse.csr_array(self.elimination.T.T)
-        self.n_u, self.n_lam = self.T.shape[1], model.n_lam
+        self.n_u, self.n_lam = len(self.elimination.independent), model.n_lam
         self.magnitude = model.magnitude[self.elimination.independent]
         self.forces, self.loads = ForceSum(model.forces, model.n_q), ForceSum(model.loads, model.n_q)
+        self.constraints = ConstraintStack(model.constraints)
         blocks = (*model.forces, *model.loads)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
-        self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
+        self.expand, self._gather = SumOperator(self.elimination.T), SumOperator(self.elimination.T.T)
+        self._source, self._mass = SumOperator(self.elimination.G), SumOperator(model.mass)
+        self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
 
     @cached_property
     def matrix(self) -> MatrixAssembly:
         """The assembly of matrices; made when first needed."""
-        return MatrixAssembly(self.model, self.T, self.symmetric)
+        return MatrixAssembly(self.model, self.elimination.T, self.n_u, self.symmetric)
 
     def start(self, t: float = 0.0, *, factor: float = 1.0, at_rest: bool = False) -> Point:
         """The reference configuration with the initial velocities (none at rest); supports take precedence over both."""
@@ -55,21 +58,20 @@ class Equations:
 
     def coordinates(self, point: Point) -> Floats:
         """All coordinates q, shape (n_q,)."""
-        return self.T @ point.u + self.elimination.G @ self.elimination.right_hand_side(point.t, point.factor)
+        held = self._held
+        if held is None:
+            held = self._source(self.elimination.right_hand_side(point.t, point.factor))
+        return self.expand(point.u) + held
 
     def velocities(self, point: Point) -> Floats:
         """All velocities, shape (n_q,)."""
-        v = self.T @ point.ud
-        return v + self.elimination.G @ self.elimination.rates(point.t) if self.elimination.moves and not point.at_rest else v
+        v = self.expand(point.ud)
+        return v if self._held is not None or point.at_rest else v + self._source(self.elimination.rates(point.t))
 
     def accelerations(self, point: Point) -> Floats:
         """All accelerations, shape (n_q,)."""
-        a = self.T @ point.udd
-        return (
-            a + self.elimination.G @ self.elimination.accelerations(point.t)
-            if self.elimination.moves and not point.at_rest
-            else a
-        )
+        a = self.expand(point.udd)
+        return a if self._held is not None or point.at_rest else a + self._source(self.elimination.accelerations(point.t))
 
     def residual(self, point: Point) -> tuple[Floats, Floats]:
         """r (n_u,) and Phi (n_lam,)."""
@@ -91,39 +93,23 @@ class Equations:
 
     def velocity_violation(self, point: Point) -> Floats:
         """Phi_q v + Phi_t, shape (n_lam,)."""
-        q, v = self.coordinates(point), self.velocities(point)
-        out, at = np.zeros(self.n_lam), 0
-        for block in self.model.constraints:
-            part, values = out[at : at + block.n_lam], np.empty(len(block.j_rows))
-            block.phi_t(point.t, q, part)
-            block.jacobian(point.t, q, values)
-            np.add.at(part, block.j_rows, values * v[block.j_cols])
-            at += block.n_lam
-        return out
+        q = self.coordinates(point)
+        return self.constraints.times(point.t, q, self.velocities(point)) + self.constraints.phi_t(point.t, q)
 
     def acceleration_rest(self, point: Point) -> Floats:
         """gamma plus Phi_q times the accelerations of moving supports, so that Phi_q T udd = -rest, shape (n_lam,)."""
         q, v = self.coordinates(point), self.velocities(point)
-        a = self.elimination.G @ self.elimination.accelerations(point.t)
-        out, at = np.zeros(self.n_lam), 0
-        for block in self.model.constraints:
-            part, values = out[at : at + block.n_lam], np.empty(len(block.j_rows))
-            block.gamma(point.t, q, v, part)
-            block.jacobian(point.t, q, values)
-            np.add.at(part, block.j_rows, values * a[block.j_cols])
-            at += block.n_lam
-        return out
+        moving = self._source(self.elimination.accelerations(point.t))
+        return self.constraints.gamma(point.t, q, v) + self.constraints.times(point.t, q, moving)
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
-        q, v = self.coordinates(point), self.velocities(point)
-        direction = self.T_transposed @ self.loads(point.t, q, v)
-        if self.elimination.moves:  # by difference: exact derivatives of moved supports would need the eliminated columns of K
-            step, ahead = 1e-7, point.copy()
-            ahead.factor += step
-            base = self.residual(point)[0]
-            direction = (self.residual(ahead)[0] - base) / step
-        return direction
+        if self._held is not None:
+            return self._gather(self.loads(point.t, self.coordinates(point), self.velocities(point)))
+        # By difference: an exact derivative would need the columns of K that belong to eliminated coordinates.
+        step, ahead = 1e-7, point.copy()
+        ahead.factor += step
+        return (self.residual(ahead)[0] - self.residual(point)[0]) / step
 
     def state(self, point: Point) -> State:
         """All coordinates, velocities, accelerations and the reactions of the eliminated constraints."""
@@ -132,21 +118,12 @@ class Equations:
         return State(point.t, q, v, a, point.lam.copy(), self.elimination.row_forces(total), point.factor)
 
     def _reduce(self, point: Point, q: Floats, f: Floats, f_load: Floats) -> tuple[Floats, Floats]:
-        phi, at = np.zeros(self.n_lam), 0
-        for block in self.model.constraints:
-            block.phi(point.t, q, phi[at : at + block.n_lam])
-            at += block.n_lam
-        return self.T_transposed @ self._total(point, q, f, f_load), phi
+        return self._gather(self._total(point, q, f, f_load)), self.constraints.phi(point.t, q)
 
     def _total(self, point: Point, q: Floats, f: Floats, f_load: Floats) -> Floats:
         """M a + f + Phi_q^T lam in all coordinates; zero but for the reactions when the equations hold."""
         total = f + point.factor * f_load
         if not point.at_rest:
-            total += self.model.mass @ self.accelerations(point)
-        at = 0
-        for block in self.model.constraints:
-            values = np.empty(len(block.j_rows))
-            block.jacobian(point.t, q, values)
-            np.add.at(total, block.j_cols, values * point.lam[at + block.j_rows])
-            at += block.n_lam
+            total += self._mass(self.accelerations(point))
+        self.constraints.add_force(point.t, q, point.lam, total)
         return total

@@ -29,8 +29,8 @@ class Entries:
 def expand_matrix(rows: Ints, cols: Ints, scale: Floats, symmetry: Symmetry, upper: bool, T: sparse.csr_array) -> Entries:
     """Contributions of a block's tangent entries to K_u.
 
-    A symmetric block lists each pair once, so its off-diagonal entries are mirrored first. When only the upper triangle is wanted,
-    the others give their symmetric part.
+    A symmetric block lists each pair once, so its off-diagonal entries are mirrored first. When only the upper triangle is
+    wanted, the others give their symmetric part.
 
     Args:
         rows, cols: global coordinates of the entries, -1 for padding, shape (n_k,).

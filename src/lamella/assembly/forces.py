@@ -25,10 +25,10 @@ class ForceSum:
         coords = np.concatenate([np.zeros(0, np.int64), *(block.f_coords for block in blocks)])
         factors = np.concatenate([np.zeros(0), *(block.f_scale for block in blocks)])
         used = np.flatnonzero(coords >= 0)
-        self._sum = SumOperator(coords[used], used, factors[used], n_q, len(self.buffer))
+        self._sum = SumOperator.of(coords[used], used, factors[used], n_q, len(self.buffer))
 
     def __call__(self, t: float, q: Floats, v: Floats) -> Floats:
-        """Evaluate all blocks; the array is overwritten by the next call, shape (n_q,)."""
+        """Evaluate all blocks, shape (n_q,)."""
         for block, part in self.parts:
             block.force(t, q, v, part)
         return self.summed()

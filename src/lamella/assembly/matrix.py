@@ -20,10 +20,11 @@ class MatrixAssembly:
     Args:
         model: the compiled model.
         T: map from independent to all coordinates, (n_q, n_u).
+        n_u: number of independent coordinates.
         symmetric: keep the upper triangle only.
     """
 
-    def __init__(self, model: Model, T: sparse.csr_array, symmetric: bool) -> None:
+    def __init__(self, model: Model, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
         self.model = model
         blocks = (*model.forces, *model.loads, *model.constraints)
         sizes = [len(block.k_rows) for block in blocks]
@@ -47,30 +48,31 @@ class MatrixAssembly:
         mass = model.mass.tocoo()
         reduced_mass = sparse.coo_array(T.T @ mass @ T)
         keep = reduced_mass.row <= reduced_mass.col if symmetric else slice(None)
-        diagonal = np.arange(T.shape[1])  # always stored, so that a pattern has no empty row
+        diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
         rows = np.concatenate([*(e.rows for e in entries), reduced_mass.row[keep], diagonal])
         cols = np.concatenate([*(e.cols for e in entries), reduced_mass.col[keep], diagonal])
-        keys = rows.astype(np.int64) * T.shape[1] + cols
+        keys = rows.astype(np.int64) * n_u + cols
         places, slots = np.unique(keys, return_inverse=True)
         n_entries = sum(len(e.rows) for e in entries)
         sources = np.concatenate([np.zeros(0, np.int64), *(e.sources for e in entries)])
         factors = np.concatenate([np.zeros(0), *(e.factors for e in entries)])
-        self._sum = SumOperator(slots[:n_entries], sources, factors, len(places), len(self.buffer))
+        self._sum = SumOperator.of(slots[:n_entries], sources, factors, len(places), len(self.buffer))
         self.mass = np.zeros(len(places))
+        self._values = np.zeros(len(places))
         np.add.at(self.mass, slots[n_entries : len(slots) - len(diagonal)], reduced_mass.data[keep])
-        self._jacobian_setup(model, T)
-        indptr = np.searchsorted(places, np.arange(T.shape[1] + 1) * T.shape[1])
+        self._jacobian_setup(model, T, n_u)
+        indptr = np.searchsorted(places, np.arange(n_u + 1) * n_u)
         self.pattern = Pattern(
-            T.shape[1],
+            n_u,
             indptr,
-            places % T.shape[1],
+            places % n_u,
             symmetric,
             model.n_lam,
             self._j_pattern.indptr.astype(np.int64),
             self._j_pattern.indices.astype(np.int64),
         )
 
-    def _jacobian_setup(self, model: Model, T: sparse.csr_array) -> None:
+    def _jacobian_setup(self, model: Model, T: sparse.csr_array, n_u: int) -> None:
         offsets = np.cumsum([0, *(block.n_lam for block in model.constraints)])
         rows = [block.j_rows + start for block, start in zip(model.constraints, offsets, strict=False)]
         ends = np.cumsum([len(r) for r in rows], dtype=np.int64)
@@ -79,19 +81,21 @@ class MatrixAssembly:
         empty = np.zeros(0, np.int64)
         cols = np.concatenate([empty, *(block.j_cols for block in model.constraints)])
         entries = expand_rows(np.concatenate([empty, *rows]), cols, T)
-        shape = (model.n_lam, T.shape[1])
+        shape = (model.n_lam, n_u)
         self._j_pattern = sparse.csr_array(
             sparse.coo_array((np.ones(len(entries.rows)), (entries.rows, entries.cols)), shape=shape)
         )
         self._j_pattern.sort_indices()
         keys = np.repeat(np.arange(shape[0]), np.diff(self._j_pattern.indptr)) * shape[1] + self._j_pattern.indices
         slots = np.searchsorted(keys, entries.rows * shape[1] + entries.cols)
-        self._j_sum = SumOperator(slots, entries.sources, entries.factors, len(keys), len(self.j_buffer))
+        self._j_sum = SumOperator.of(slots, entries.sources, entries.factors, len(keys), len(self.j_buffer))
 
     def values(
         self, forces: ForceSum, loads: ForceSum, point: Point, q: Floats, v: Floats, weights: Weights, previous: Floats
     ) -> tuple[Floats, Floats]:
         """Values of the matrix and of Phi_q in the pattern's order; the force buffers are filled on the way.
+
+        The array of the matrix is overwritten by the next call.
 
         Args:
             forces, loads: the force buffers.
@@ -115,7 +119,7 @@ class MatrixAssembly:
             k *= weights.alpha_q
             block.jacobian(point.t, q, j)
             at += block.n_lam
-        data = self._sum(self.buffer)
+        data = self._sum.into(self.buffer, self._values)
         if weights.alpha_a:
             data += weights.alpha_a * self.mass
         return data, self._j_sum(self.j_buffer)

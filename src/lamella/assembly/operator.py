@@ -3,40 +3,50 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import njit
 from lamella.roles import Floats, Ints
 
+Indices = NDArray[np.int32]
+
 
 class SumOperator:
-    """out = E buffer, where row i of E lists the buffer entries that are summed into out[i], with their factors.
+    """y = E x, where row i of E lists the entries of x that are summed into y[i], with their factors.
+
+    SciPy's product costs several microseconds of checks at each call, as much as the sums themselves on small models.
 
     Args:
-        targets: place in the output of each contribution, shape (n,).
-        sources: place in the buffer of each contribution, shape (n,).
-        factors: factor of each contribution, shape (n,).
-        n_targets: length of the output.
-        n_sources: length of the buffer.
+        matrix: E, sparse (n_targets, n_sources).
     """
 
-    def __init__(self, targets: Ints, sources: Ints, factors: Floats, n_targets: int, n_sources: int) -> None:
-        matrix = sparse.csr_array(sparse.coo_array((factors, (targets, sources)), shape=(n_targets, n_sources)))
-        self.starts = matrix.indptr.astype(np.int32)
-        self.sources = matrix.indices.astype(np.int32)
-        self.factors = matrix.data.astype(float)
-        self.out = np.zeros(n_targets)
+    def __init__(self, matrix: sparse.sparray) -> None:
+        rows = sparse.csr_array(matrix)
+        self.n = len(rows.indptr) - 1
+        self.starts: Indices = rows.indptr.astype(np.int32)
+        self.sources: Indices = rows.indices.astype(np.int32)
+        self.factors = rows.data.astype(float)
 
-    def __call__(self, buffer: Floats) -> Floats:
-        """The sums; the array is overwritten by the next call."""
-        _sum(self.starts, self.sources, self.factors, buffer, self.out)
-        return self.out
+    @classmethod
+    def of(cls, targets: Ints, sources: Ints, factors: Floats, n_targets: int, n_sources: int) -> SumOperator:
+        """From a list of contributions, each with its place in y, its place in x, and its factor, shapes (n,)."""
+        return cls(sparse.coo_array((factors, (targets, sources)), shape=(n_targets, n_sources)))
+
+    def __call__(self, x: Floats) -> Floats:
+        """The sums in a new array, shape (n_targets,)."""
+        return self.into(x, np.empty(self.n))
+
+    def into(self, x: Floats, out: Floats) -> Floats:
+        """Overwrite ``out`` with the sums and return it."""
+        _sum(self.starts, self.sources, self.factors, x, out)
+        return out
 
 
 @njit
-def _sum(starts: Ints, sources: Ints, factors: Floats, buffer: Floats, out: Floats) -> None:  # pragma: no cover - compiled
+def _sum(starts: Indices, sources: Indices, factors: Floats, x: Floats, out: Floats) -> None:  # pragma: no cover - compiled
     for i in range(len(starts) - 1):
         total = 0.0
         for k in range(starts[i], starts[i + 1]):
-            total += factors[k] * buffer[sources[k]]
+            total += factors[k] * x[sources[k]]
         out[i] = total

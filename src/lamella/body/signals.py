@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from lamella.dofs import PointRows
-from lamella.dofs import Signal
+from lamella.dofs import PointRows, Signal
 
 AXES = ("x", "y", "z")
 

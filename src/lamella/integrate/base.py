@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.result import Statistics
+from lamella.solve.linear import Method
 from lamella.solve.newton import NewtonReport
 
 
@@ -64,5 +65,5 @@ class Integrator(ABC):
     order: int
 
     @abstractmethod
-    def stepper(self, equations: Equations, statistics: Statistics, solver: str) -> Stepper:
+    def stepper(self, equations: Equations, statistics: Statistics, solver: Method) -> Stepper:
         """A stepper for these equations with the linear solver of the given name."""

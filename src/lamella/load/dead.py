@@ -43,7 +43,7 @@ def add_dead_load(build: Build, name: str, vectors: Ints, forces: Floats, profil
     Vectors may repeat; their forces are summed.
     """
     unique, inverse = np.unique(vectors, return_inverse=True)
-    summed = np.stack([np.bincount(inverse, forces[:, c], minlength=len(unique)) for c in range(3)], axis=1)
+    summed = np.stack([np.bincount(inverse, forces[:, c], minlength=len(unique)).astype(float) for c in range(3)], axis=1)
     coords = (3 * unique[:, None] + np.arange(3)).reshape(-1)
     build.loads.append(DeadLoadBlock(name, coords, summed.reshape(-1), profile))
     build.breakpoints.extend(profile.breakpoints)

@@ -88,7 +88,7 @@ class SurfaceForce(Declaration):
         places, weights = gauss_rule(2)
         xi = ((np.arange(mesh.nx)[:, None] + places) * mesh.lx).reshape(-1)
         eta = ((np.arange(mesh.ny)[:, None] + places) * mesh.ly).reshape(-1)
-        points = [(x, y) for y in eta for x in xi]
+        points = [(float(x), float(y)) for y in eta for x in xi]
         areas = np.outer(np.resize(weights, len(eta)), np.resize(weights, len(xi))).reshape(-1) * mesh.lx * mesh.ly
         _distribute(build, self.name, mesh, points, areas, self.force, self.profile)
 

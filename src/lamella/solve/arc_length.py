@@ -22,8 +22,8 @@ from lamella.units import Positive
 class ArcLength:
     """Spherical arc length (Riks 1979; Crisfield 1981) with consistent linearisation.
 
-    Equilibrium r(u, factor) = 0 is solved together with g = |du|^2 + psi^2 dfactor^2 - s^2 = 0, du and dfactor counted from the last
-    point, |du|^2 = sum (du_i / magnitude_i)^2 / n. The step s follows the number of iterations (Ramm 1981).
+    Equilibrium r(u, factor) = 0 is solved together with g = |du|^2 + psi^2 dfactor^2 - s^2 = 0, du and dfactor counted from
+    the last point, |du|^2 = sum (du_i / magnitude_i)^2 / n. The step s follows the number of iterations (Ramm 1981).
 
     Args:
         first: load factor of the first step.
@@ -61,7 +61,7 @@ class ArcLength:
             statistics: counts the work.
         """
         path = _Path(self, equations, newton, statistics)
-        radius = np.nan
+        radius = start = np.nan
         for _ in range(self.max_steps):
             try:
                 direction = path.tangent(point)
@@ -83,7 +83,7 @@ class ArcLength:
             path.remember(point, new)
             point = new
             record(point)
-            radius = min(radius * np.clip((self.wanted / iterations) ** 0.5, 0.5, 2.0), self.largest * start)
+            radius = min(radius * float(np.clip((self.wanted / iterations) ** 0.5, 0.5, 2.0)), self.largest * start)
         return Outcome(Cause.STEP_LIMIT, point.factor, until, f"{self.max_steps} steps")
 
     def _finish(
@@ -129,10 +129,10 @@ class _Path:
         dfactor = radius / self.length(direction, 1.0)
         if self._last is not None:
             du, df = self._last
-            dfactor *= np.sign(self.metric @ (du * direction) + self.options.psi**2 * df) or 1.0
+            dfactor *= float(np.sign(self.metric @ (du * direction) + self.options.psi**2 * df)) or 1.0
         new = point.copy()
         new.u, new.factor = point.u + dfactor * direction, point.factor + dfactor
-        before, last = point, np.inf
+        before, last, iteration = point, np.inf, 0
         for iteration in range(1, self.newton.options.max_iterations + 1):
             try:
                 r, phi = self._linearise(new, before)
@@ -144,8 +144,8 @@ class _Path:
                 return iteration, None
             moved, risen = new.u - point.u, new.factor - point.factor
             gap = self.length(moved, risen) ** 2 - radius**2
-            slope = 2.0 * (self.metric @ (moved * du_f) + self.options.psi**2 * risen)
-            df = -(gap + 2.0 * self.metric @ (moved * du_r)) / slope
+            slope = 2.0 * float(self.metric @ (moved * du_f) + self.options.psi**2 * risen)
+            df = -float(gap + 2.0 * self.metric @ (moved * du_r)) / slope
             du = du_r + df * du_f
             size = self.newton.size(du)
             before = new.copy()

@@ -35,12 +35,13 @@ def make_consistent(equations: Equations, point: Point, linear: LinearSolver) ->
     before = point.u.copy()
     if equations.n_lam:
         for _ in range(20):
-            _, phi = equations.residual(point)
+            phi = equations.residual(point)[1]
             if np.abs(phi).max() < 1e-12 * equations.magnitude.max():
                 break
             _factorise_mass(equations, point, linear)
             point.u += linear.solve(np.zeros(equations.n_u), -phi)[0]
         else:
+            phi = equations.residual(point)[1]
             raise ConstraintError(
                 f"no position near the initial one satisfies the constraints; they are violated by {np.abs(phi).max():.2g}"
             )

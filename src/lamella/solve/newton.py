@@ -87,7 +87,8 @@ class NewtonSolver:
             reference: coordinates q of the last solution, from which stress is extrapolated at the first iteration.
         """
         previous = reference if self.options.extrapolate else None
-        last = np.inf
+        last = size = np.inf
+        iteration = 0
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
             try:
@@ -143,8 +144,8 @@ class NewtonSolver:
     def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats, r: Floats) -> float:
         """A step length s for which the residual's work du . r(s) does not exceed that at the start; at most 4 trials.
 
-        Membrane stress grows with the square of a rotation, so a full step may overshoot by orders of magnitude; secant steps on the
-        work find the valley (Crisfield 1991, section 9.2).
+        Membrane stress grows with the square of a rotation, so a full step may overshoot by orders of magnitude; secant steps on
+        the work find the valley (Crisfield 1991, section 9.2).
         """
         start, low, low_work = float(du @ r), 0.0, float(du @ r)
         step = 1.0
