@@ -1,0 +1,63 @@
+"""Cantilever strip under a shear force at its end, over the whole load path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import lamella as lm
+from lamella.roles import Floats
+from lamella.verification import Check, References
+
+slow = False
+
+LENGTH, WIDTH, THICKNESS, MODULUS, FORCE = 10.0, 1.0, 0.1, 1.2e6, 4.0
+BENDING_STIFFNESS = MODULUS * WIDTH * THICKNESS**3 / 12
+
+
+def run() -> Iterator[Check]:
+    """Yield the checks of this case."""
+    references = References.beside(__file__)
+    factors = references.at("W, published")
+    path = tip_path(16, factors)
+    yield from references.checks("-U, published", -path[:, 0])
+    yield from references.checks("W, published", path[:, 1])
+    exact = np.array([elastica(factor * FORCE) for factor in factors])
+    worst = np.abs(path - exact).max(axis=0)
+    yield references.check("U, mesh 16 x 1: largest distance to the elastica over the path", worst[0])
+    yield references.check("W, mesh 16 x 1: largest distance to the elastica over the path", worst[1])
+    yield references.check("-U at full load, mesh 16 x 1", -path[-1, 0])
+    yield references.check("W at full load, mesh 16 x 1", path[-1, 1])
+    fine = tip_path(64, [0.5, 1.0])[-1]
+    yield references.check("-U at full load, mesh 64 x 1", -fine[0])
+    yield references.check("W at full load, mesh 64 x 1", fine[1])
+
+
+def tip_path(n_elements: int, factors: Sequence[float]) -> Floats:
+    """Displacements (U, W) of the tip [m] at each load factor, shape (n, 2)."""
+    system = lm.System()
+    strip = lm.Laminate(lm.Isotropic(E=MODULUS, nu=0.0, rho=1.0), thickness=THICKNESS)
+    plate = system.add(lm.Plate("strip", (LENGTH, WIDTH), (n_elements, 1), strip))
+    plate.marker("tip", LENGTH, WIDTH / 2)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.EdgeForce("shear", plate.edge("x+"), (0.0, 0.0, FORCE / WIDTH)))
+    history = lm.equilibrium(system, steps=list(factors)).history("tip.position")
+    tip = history.sel(load_factor=list(factors), method="nearest").values
+    return tip[:, [0, 2]] - [LENGTH, 0.0]
+
+
+def elastica(force: float) -> Floats:
+    """Tip displacements (U, W) [m] of the inextensible cantilever: EI theta'' = -F cos theta, theta(0) = 0, theta'(L) = 0."""
+
+    def shot(curvature: float) -> Floats:
+        def slope(_: float, y: Floats) -> list[float]:
+            return [y[1], -force / BENDING_STIFFNESS * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])]
+
+        return solve_ivp(slope, (0.0, LENGTH), [0.0, curvature, 0.0, 0.0], rtol=1e-10, atol=1e-12).y[:, -1]
+
+    root = brentq(lambda curvature: shot(curvature)[1], 0.0, force * LENGTH / BENDING_STIFFNESS, xtol=1e-13)
+    end = shot(float(root))
+    return np.array([end[2] - LENGTH, end[3]])
