@@ -1,0 +1,162 @@
+"""The layout of a result file: what is where in the HDF5 file, and how it is created."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lamella.dofs import Signal
+from lamella.errors import ResultFileError
+from lamella.io.provenance import versions
+from lamella.roles import Floats
+
+Node = Any
+"""A file, group or dataset of h5py, whose own types leave open which of them a look-up gives."""
+
+FORMAT = "lamella result"
+FORMAT_VERSION = "1.0"
+AXIS_UNIT = {"time": "s", "load_factor": "1", "arc_length": "1"}
+VECTOR = ("x", "y", "z")
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def create_file(path: Path, overwrite: bool) -> Node:
+    """Create an empty result file; an existing one is replaced only with ``overwrite``.
+
+    Raises:
+        ResultFileError: the file exists, is not a result file, or its folder cannot be written.
+    """
+    import h5py
+
+    if not path.parent.is_dir():
+        raise ResultFileError(f"result file '{path}': folder '{path.parent}' does not exist; create it or choose another")
+    if path.exists() and not overwrite:
+        raise ResultFileError(f"result file '{path}' exists already; choose another name or ask to overwrite it")
+    refuse_other_file(path)
+    try:
+        path.unlink(missing_ok=True)
+        return h5py.File(path, "x", track_order=True, locking=False)  # unlocked: others may look at the running file
+    except OSError as error:
+        accepted = "accepted is a file in a writable folder"
+        raise ResultFileError(f"result file '{path}' cannot be created: {error}; {accepted}") from error
+
+
+def refuse_other_file(path: Path) -> None:
+    """Refuse to replace something that is not an HDF5 file, such as the model file given by mistake."""
+    if path.is_dir():
+        raise ResultFileError(f"result file '{path}' is a folder; accepted is the name of a file")
+    if path.exists() and path.stat().st_size and not is_hdf5(path):
+        raise ResultFileError(f"'{path}' exists and is not a result file, so it is not replaced; choose another name")
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether a file begins as HDF5 files do."""
+    with path.open("rb") as file:
+        return file.read(len(_SIGNATURE)) == _SIGNATURE
+
+
+def lay_out(root: Node, signals: Sequence[Signal], axis: str, n_q: int, *, model_text: str, title: str, target: float) -> None:
+    """Write everything of a new file that is known before the first sample."""
+    root.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "axis": axis, "title": title}))
+    root.attrs.update(plain({f"{package}_version": version for package, version in versions().items()}))
+    root.attrs.update(plain({"created": datetime.now(UTC).isoformat(timespec="seconds"), "model": model_text}))
+    write_outcome(root, "running", float("nan"), target, "")
+    _lay_out_signals(root.create_group("signals", track_order=True), signals, axis)
+    _lay_out_frames(root.create_group("frames"), axis, n_q)
+    root.create_group("statistics")
+
+
+def reserve(path: Path, end: int, size: int) -> None:
+    """Make sure that ``size`` bytes from ``end`` of a file can be written.
+
+    Raises:
+        OSError: the disk is full, or a quota or limit is reached.
+    """
+    if not hasattr(os, "posix_fallocate"):  # Windows and macOS: the free space is the best that can be known
+        free = shutil.disk_usage(path.parent).free
+        if free < size:
+            raise OSError(f"the disk has {free / 1e6:.1f} MB left")
+        return
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.posix_fallocate(descriptor, end, size)
+    finally:
+        os.close(descriptor)
+
+
+def room_for(root: Node, n_samples: int, n_frames: int) -> int:
+    """Bytes by which the file grows at most when so many samples and frames are appended, whole chunks and indices included."""
+    rows = {"signals": n_samples, "frames": n_frames}
+    size = 0
+    for name, count in rows.items():
+        for dataset in root[name].values() if count else ():
+            if dataset.maxshape[0] is None:
+                chunk = int(np.prod(dataset.chunks)) * dataset.dtype.itemsize
+                size += (count // dataset.chunks[0] + 2) * (chunk + 4096)
+    return size
+
+
+def _lay_out_signals(group: Node, signals: Sequence[Signal], axis: str) -> None:
+    at = _scale(group, axis, AXIS_UNIT.get(axis, "1"))
+    for signal in signals:
+        shape, limit = ((0,), (None,)) if not signal.labels else ((0, len(signal.labels)), (None, len(signal.labels)))
+        dataset = group.create_dataset(signal.name, shape, "f8", maxshape=limit, chunks=(512, *shape[1:]))
+        dataset.attrs.update(plain({"units": signal.unit, "long_name": signal.description or signal.name}))
+        dataset.dims[0].attach_scale(at)
+        if signal.labels:
+            dataset.dims[1].attach_scale(_component_scale(group, signal.labels))
+
+
+def _lay_out_frames(group: Node, axis: str, n_q: int) -> None:
+    at = _scale(group, axis, AXIS_UNIT.get(axis, "1"))
+    coordinate = group.create_dataset("coordinate", data=np.arange(n_q))
+    coordinate.attrs.update(plain({"units": "1", "long_name": "number of the coordinate, three to a vector"}))
+    coordinate.make_scale("coordinate")
+    rows = max(1, min(64, 65536 // (8 * max(n_q, 1))))
+    for name, label in (("q", "coordinates (positions [m] and slopes)"), ("v", "rates of the coordinates")):
+        dataset = group.create_dataset(name, (0, n_q), "f8", maxshape=(None, n_q), chunks=(rows, max(n_q, 1)) if n_q else True)
+        dataset.attrs.update(plain({"units": "m, 1" if name == "q" else "m/s, 1/s", "long_name": label}))
+        dataset.dims[0].attach_scale(at)
+        dataset.dims[1].attach_scale(coordinate)
+
+
+def _scale(group: Node, axis: str, unit: str) -> Node:
+    dataset = group.create_dataset(axis, (0,), "f8", maxshape=(None,), chunks=(1024,))
+    dataset.attrs.update(plain({"units": unit, "long_name": axis.replace("_", " ")}))
+    dataset.make_scale(axis)
+    return dataset
+
+
+def _component_scale(group: Node, labels: tuple[str, ...]) -> Node:
+    import h5py
+
+    name = "component" if labels == VECTOR else "component_" + re.sub(r"\W+", "_", "_".join(labels))
+    if name not in group:
+        dataset = group.create_dataset(name, data=list(labels), dtype=h5py.string_dtype())
+        dataset.attrs.update(plain({"long_name": "component"}))
+        dataset.make_scale(name)
+    return group[name]
+
+
+def append(dataset: Node, values: Floats) -> None:
+    """Add rows at the end of a dataset."""
+    start = dataset.shape[0]
+    dataset.resize(start + len(values), axis=0)
+    dataset[start:] = values
+
+
+def write_outcome(root: Node, outcome: str, reached: float, target: float, detail: str) -> None:
+    """Say at the root how the run ended, or that it is running."""
+    root.attrs.update({"outcome": outcome, "reached": float(reached), "target": float(target), "detail": detail})
+
+
+def plain(attributes: dict[str, str]) -> dict[str, str]:
+    """Attributes as netCDF stores them: no null characters, which end a string in HDF5."""
+    return {name: value.replace("\x00", "") for name, value in attributes.items()}

@@ -1,0 +1,229 @@
+"""One HDF5 file per run, written while it runs: recorded signals, frames of the motion, statistics, model and versions.
+
+The layout is the one of netCDF-4 (dimension scales, ``units`` and ``long_name``), so that h5py, xarray, ncdump and ParaView's
+spreadsheet read it without this package:
+
+    /signals/<axis>            axis of the samples (time [s], load_factor or arc_length), unlimited
+    /signals/<signal>          (axis,) or (axis, component)
+    /signals/component...      names of the components, one dataset for each set of names
+    /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
+    /statistics/<count>        scalars
+    attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail
+
+The file is changed in short bursts that end with a flush, so a process killed at any other moment leaves a valid file whose
+attribute ``outcome`` still says ``running``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from lamella.dofs import Signal
+from lamella.errors import DeclarationError, ResultFileError
+from lamella.io.result_layout import append, create_file, lay_out, plain, refuse_other_file, reserve, room_for, write_outcome
+from lamella.io.stored_result import StoredResult, read_result
+from lamella.result import Outcome, Result, Statistics
+from lamella.roles import Floats
+from lamella.state import State
+
+__all__ = ["ResultWriter", "StoredResult", "frame_velocities", "model_text", "read_result", "write_result"]
+
+_MARGIN = 1 << 18
+"""Bytes reserved beyond the data, for HDF5's own tables and for the outcome and statistics at the end."""
+
+
+class ResultWriter:
+    """Writes a solution to an HDF5 file while it runs; a :class:`lamella.result.Sink`.
+
+    Args:
+        path: file to create.
+        signals: what is sampled, in the order of the samples.
+        axis: ``time``, ``load_factor`` or ``arc_length``.
+        n_q: number of coordinates of a frame.
+        model_text: the model file that describes the system, empty when there is none.
+        title: one line for people.
+        target: time [s] or load factor asked for.
+        overwrite: replace an existing result file.
+        flush_seconds: longest time between two flushes [s], which is what a killed run loses at most.
+
+    Raises:
+        ResultFileError: the file exists, or cannot be created or written.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        signals: Sequence[Signal],
+        axis: str,
+        n_q: int,
+        *,
+        model_text: str = "",
+        title: str = "",
+        target: float = float("nan"),
+        overwrite: bool = False,
+        flush_seconds: float = 2.0,
+    ) -> None:
+        self.path = Path(path)
+        self._signals, self._axis, self._n_q = tuple(signals), axis, n_q
+        self._at: list[float] = []
+        self._rows: list[Sequence[Floats]] = []
+        self._frame_at: list[float] = []
+        self._frame_q: list[Floats] = []
+        self._frame_v: list[Floats] = []
+        self._flush_seconds, self._flushed = flush_seconds, time.monotonic()
+        self._failed = self._damaged = False
+        self._file = create_file(self.path, overwrite)
+        self._burst(
+            lambda: lay_out(self._file, signals, axis, n_q, model_text=model_text, title=title, target=target),
+            _MARGIN + len(model_text),
+        )
+
+    def sample(self, at: float, values: Sequence[Floats]) -> None:
+        """One sample of all signals."""
+        self._at.append(at)
+        self._rows.append([np.atleast_1d(value) for value in values])
+        if time.monotonic() - self._flushed >= self._flush_seconds:
+            self.flush()
+
+    def frame(self, at: float, state: State) -> None:
+        """One frame of all coordinates and velocities."""
+        self._keep_frame(at, state.q, state.v)
+
+    def _keep_frame(self, at: float, q: Floats, v: Floats) -> None:
+        self._frame_at.append(at)
+        self._frame_q.append(np.array(q))
+        self._frame_v.append(np.array(v))
+
+    def flush(self) -> None:
+        """Write what has come since the last flush; the file is valid and complete up to here afterwards.
+
+        Raises:
+            ResultFileError: there is no room for it; the file keeps what it had and can still be closed.
+        """
+        if not self._failed:
+            self._burst(self._write_pending, _MARGIN + room_for(self._file, len(self._at), len(self._frame_at)))
+
+    def close(self, outcome: Outcome, statistics: Statistics) -> None:
+        """Write what is pending, the outcome and the statistics, and close the file.
+
+        After a failed write, which was reported when it happened, only the outcome and the statistics are written.
+        """
+        if not self._file:
+            return
+        try:
+            self.flush()
+        finally:
+            with contextlib.ExitStack() as stack:
+                stack.callback(self._close_file)
+                if not self._damaged:
+                    self._burst(lambda: self._write_end(outcome, statistics), _MARGIN // 2)
+
+    def _burst(self, write: Callable[[], None], size: int) -> None:
+        """Reserve ``size`` bytes at the end of the file, change the file and flush it.
+
+        HDF5 does not survive a failed write, so the disk has to promise the room before HDF5 is asked to use it.
+        """
+        try:
+            reserve(self.path, self._file.id.get_filesize(), size)
+        except OSError as error:
+            self._failed = True
+            raise self._no_room(error) from error
+        try:
+            write()
+            self._file.flush()
+        except (OSError, RuntimeError) as error:  # h5py raises RuntimeError where HDF5 fails in its caches
+            self._failed = self._damaged = True
+            raise self._no_room(error) from error
+        self._flushed = time.monotonic()
+
+    def _no_room(self, error: Exception) -> ResultFileError:
+        reached = f" beyond {self._axis} {self._at[0]:g}" if self._at else ""
+        accepted = "free some space or choose another folder"
+        return ResultFileError(f"result file '{self.path}' cannot be written{reached}: {error}; {accepted}")
+
+    def _close_file(self) -> None:
+        """Close the file, whose content is flushed or already reported as lost, and give back the reserved room."""
+        with contextlib.suppress(OSError, RuntimeError):
+            size = self._file.id.get_filesize()
+            self._file.close()
+            if self.path.stat().st_size > size:
+                os.truncate(self.path, size)
+
+    def _write_pending(self) -> None:
+        if self._at:
+            group = self._file["signals"]
+            for index, signal in enumerate(self._signals):
+                column = np.asarray([row[index] for row in self._rows])
+                append(group[signal.name], column if signal.labels else column[:, 0])
+            append(group[self._axis], np.asarray(self._at))
+            self._file.attrs["reached"] = self._at[-1]
+        if self._frame_at:
+            frames = self._file["frames"]
+            append(frames["q"], np.asarray(self._frame_q))
+            append(frames["v"], np.asarray(self._frame_v))
+            append(frames[self._axis], np.asarray(self._frame_at))
+        for pending in (self._at, self._rows, self._frame_at, self._frame_q, self._frame_v):
+            pending.clear()
+
+    def _write_end(self, outcome: Outcome, statistics: Statistics) -> None:
+        write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
+        group = self._file["statistics"]
+        for name, value in statistics.as_dict().items():
+            unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)
+            group.create_dataset(name, data=value).attrs.update(plain({"units": unit, "long_name": label.replace("_", " ")}))
+
+
+def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
+    """Write a finished result to ``path``; an existing result file is replaced only when the new one is whole.
+
+    Raises:
+        ResultFileError: ``path`` is another kind of file, or cannot be written.
+    """
+    path = Path(path)
+    refuse_other_file(path)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    signals, n_q = tuple(result.signals.values()), result.frame_q.shape[1] if result.frame_q.ndim == 2 else 0
+    writer = ResultWriter(partial, signals, result.axis, n_q, model_text=model_text(result), title=title, overwrite=True)
+    try:
+        columns = [result.history(signal.name).values for signal in signals]
+        for step, at in enumerate(result.at):
+            writer.sample(float(at), [column[step] for column in columns])
+        velocities = frame_velocities(result)
+        for at, q, v in zip(result.frame_at, result.frame_q, velocities, strict=True):
+            writer._keep_frame(float(at), q, v)
+        writer.close(result.outcome, result.statistics)
+        os.replace(partial, path)
+    except OSError as error:
+        raise ResultFileError(f"result file '{path}' cannot be written: {error}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def frame_velocities(result: Result) -> Floats:
+    """Velocities of the frames, shape of ``frame_q``; NaN where a result does not keep them."""
+    velocities = getattr(result, "frame_v", None)  # kept by result files; an optional extra of results in memory
+    if velocities is None or np.shape(velocities) != result.frame_q.shape:
+        return np.full(result.frame_q.shape, np.nan)
+    return np.asarray(velocities)
+
+
+def model_text(result: Result) -> str:
+    """The model file that describes the system of a result, empty when it cannot be written as one."""
+    stored = getattr(result, "model_text", None)  # results read from a file keep the text they were written with
+    if stored is not None:
+        return str(stored)
+    if result.model.description is None:
+        return ""
+    from lamella.io.writer import dumps  # the model file's schema is needed only here
+
+    try:
+        return dumps(result.model.description)
+    except DeclarationError:  # forces written in Python and the like: the result is complete without its model file
+        return ""

@@ -1,0 +1,132 @@
+"""ParaView output: the moving surface with its fields as one VTKHDF file with a time series.
+
+Each plate is a grid of quadrilaterals whose topology is written once; positions and fields follow, frame after frame, and the
+``Steps`` group says where each frame begins. All plates are one unstructured grid; the cell array ``plate`` numbers them.
+
+Source: VTK documentation, VTKHDF format specification, version 2, "Temporal UnstructuredGrid and PolyData".
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.errors import ResultFileError
+from lamella.io.result_layout import Node, append, refuse_other_file
+from lamella.roles import Floats, Ints
+from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
+
+if TYPE_CHECKING:
+    from lamella.result import Result
+
+VERSION = (2, 0)
+VTK_QUAD = 9
+
+
+def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fields: Sequence[str] | None = None) -> Path:
+    """Write the frames of a result for ParaView (File > Open, reader "VTKHDF").
+
+    Args:
+        result: of a solution, or read from a file.
+        path: file to write, by custom ``*.vtkhdf``; an existing HDF5 file is replaced when the new one is whole.
+        per_element: grid intervals along each side of an element.
+        fields: names from :data:`lamella.viz.fields.FIELDS`; by default all that the result can give.
+
+    Raises:
+        ResultFileError: the result has no frame or no plate, a field is not available, or the file cannot be written.
+    """
+    import h5py
+
+    path = Path(path)
+    refuse_other_file(path)
+    chosen = _choose(result, fields)
+    if not len(result.frame_at) or not result.model.plates:
+        raise ResultFileError(
+            f"'{path}': the result has no frame of a plate to write; accepted is a run that got beyond its start"
+        )
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(partial, "w") as file:
+            _write(file.create_group("VTKHDF"), result, per_element, chosen)
+        os.replace(partial, path)
+    except OSError as error:
+        raise ResultFileError(f"'{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def _choose(result: Result, names: Sequence[str] | None) -> list[SurfaceField]:
+    there = {field.name: field for field in available(result)}
+    unknown = [name for name in names or () if name not in there]
+    if unknown:
+        raise ResultFileError(f"no field '{unknown[0]}' in this result; available are {', '.join(there)}")
+    return list(there.values()) if names is None else [there[name] for name in names]
+
+
+def _write(group: Node, result: Result, per_element: int, fields: list[SurfaceField]) -> None:
+    n_frames = len(result.frame_at)
+    group.attrs["Version"] = np.array(VERSION, dtype="i8")
+    group.attrs.create("Type", b"UnstructuredGrid", dtype="S16")  # VTK reads fixed-length ASCII only
+    sampler = SurfaceSampler(result, per_element)
+    shots = sampler.at(0)
+    n_points = _write_topology(group, shots)
+    points = group.create_dataset("Points", (0, 3), "f8", maxshape=(None, 3), chunks=(n_points, 3))
+    data = group.create_group("PointData")
+    arrays = {field.name: _create_array(data, field, n_points) for field in fields}
+    for frame in range(n_frames):
+        shots = sampler.at(frame) if frame else shots
+        append(points, np.concatenate([shot.now.r.reshape(-1, 3) for shot in shots]))
+        for field in fields:
+            values = [field.evaluate(shot).reshape(shot.now.r.shape[0] * shot.now.r.shape[1], -1) for shot in shots]
+            column = np.concatenate(values)
+            append(arrays[field.name], column if field.labels else column[:, 0])
+    _write_steps(group, result.frame_at, n_points, fields)
+
+
+def _write_topology(group: Node, shots: list[Snapshot]) -> int:
+    """Cells of all plates; returns the number of points."""
+    cells, owner, first = [], [], 0
+    for number, shot in enumerate(shots):
+        my, mx = shot.now.r.shape[:2]
+        cells.append(quadrilaterals(my, mx) + first)
+        owner.append(np.full(len(cells[-1]), number))
+        first += my * mx
+    quads = np.concatenate(cells)
+    group["NumberOfPoints"], group["NumberOfCells"] = np.array([first]), np.array([len(quads)])
+    group["NumberOfConnectivityIds"] = np.array([quads.size])
+    group["Connectivity"], group["Offsets"] = quads.reshape(-1), 4 * np.arange(len(quads) + 1)
+    group["Types"] = np.full(len(quads), VTK_QUAD, dtype="u1")
+    group.create_group("CellData")["plate"] = np.concatenate(owner)
+    return first
+
+
+def quadrilaterals(my: int, mx: int) -> Ints:
+    """Corners of the cells of a structured grid whose point (i, j) has number j mx + i; shape ((my - 1) (mx - 1), 4)."""
+    corner = (np.arange(my - 1)[:, None] * mx + np.arange(mx - 1)).reshape(-1, 1)
+    return corner + np.array([0, 1, mx + 1, mx])
+
+
+def _create_array(data: Node, field: SurfaceField, n_points: int) -> Node:
+    width = len(field.labels)
+    shape, limit, chunk = ((0, width), (None, width), (n_points, width)) if width else ((0,), (None,), (n_points,))
+    array = data.create_dataset(field.name, shape, "f8", maxshape=limit, chunks=chunk)
+    array.attrs.update({"units": field.unit, "long_name": field.title})
+    return array
+
+
+def _write_steps(group: Node, at: Floats, n_points: int, fields: list[SurfaceField]) -> None:
+    """Where each frame begins: points and fields move on, the cells and their numbers stay."""
+    steps, n = group.create_group("Steps"), len(at)
+    steps.attrs["NSteps"] = n
+    steps["Values"] = at
+    moving, still = n_points * np.arange(n), np.zeros(n, dtype="i8")
+    steps["PointOffsets"], steps["PartOffsets"], steps["NumberOfParts"] = moving, still, np.ones(n, dtype="i8")
+    steps["CellOffsets"], steps["ConnectivityIdOffsets"] = still[:, None], still[:, None]
+    for name in [field.name for field in fields]:
+        steps[f"PointDataOffsets/{name}"] = moving
+    steps["CellDataOffsets/plate"] = still

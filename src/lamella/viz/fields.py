@@ -1,0 +1,194 @@
+"""Fields on the surface of a moving plate, on structured grids of points, for pictures and for files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from lamella.errors import DeclarationError
+from lamella.material.failure import von_mises
+from lamella.material.laminate import Laminate
+from lamella.material.recovery import Criterion, failure_index, ply_stress
+from lamella.roles import Floats
+
+if TYPE_CHECKING:
+    from lamella.body.mesh import PlateSample
+    from lamella.result import Result
+
+VECTOR = ("x", "y", "z")
+PLANE = ("xx", "yy", "xy")
+
+
+class Surface(Protocol):
+    """A compiled plate, as far as fields need it."""
+
+    name: str
+    laminate: Laminate
+
+    def sample(self, q: Floats, per_element: int = 4) -> PlateSample:
+        """Positions, normals and strains on a structured grid."""
+        ...
+
+
+class Snapshot:
+    """One plate at one frame.
+
+    Args:
+        plate: the compiled plate.
+        q: coordinates of the frame, shape (n_q,).
+        v: their rates, shape (n_q,); NaN where the frames keep none.
+        reference: the grid in the reference configuration.
+        per_element: grid intervals along each side of an element.
+    """
+
+    def __init__(self, plate: Surface, q: Floats, v: Floats, reference: PlateSample, per_element: int) -> None:
+        self.plate, self.reference, self._q, self._v, self._per_element = plate, reference, q, v, per_element
+        self.now = plate.sample(q, per_element)
+
+    @property
+    def displacement(self) -> Floats:
+        """Displacement from the reference configuration [m], shape (my, mx, 3)."""
+        return self.now.r - self.reference.r
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocity [m/s], shape (my, mx, 3); positions are linear in q, so it is the difference of two positions."""
+        if not np.isfinite(self._v).all():
+            return np.full(self.now.r.shape, np.nan)
+        return self.plate.sample(self._q + self._v, self._per_element).r - self.now.r
+
+
+class SurfaceSampler:
+    """All plates of a result, frame by frame.
+
+    Args:
+        result: of a solution, or read from a file.
+        per_element: grid intervals along each side of an element.
+    """
+
+    def __init__(self, result: Result, per_element: int) -> None:
+        from lamella.io.results import frame_velocities
+
+        self._result, self._per_element = result, per_element
+        self._velocities = frame_velocities(result)
+        self._references = [plate.sample(result.model.q0, per_element) for plate in result.model.plates]
+
+    def at(self, frame: int) -> list[Snapshot]:
+        """The plates at one frame."""
+        q, v = self._result.frame_q[frame], self._velocities[frame]
+        plates = zip(self._result.model.plates, self._references, strict=True)
+        return [Snapshot(plate, q, v, reference, self._per_element) for plate, reference in plates]
+
+
+@dataclass(frozen=True)
+class SurfaceField:
+    """A field on the surface.
+
+    Args:
+        name: for callers and files.
+        title: for people, without the unit.
+        unit: SI unit.
+        labels: names of the components, empty for a scalar.
+        evaluate: values on the grid, shape (my, mx) or (my, mx, len(labels)).
+    """
+
+    name: str
+    title: str
+    unit: str
+    labels: tuple[str, ...]
+    evaluate: Callable[[Snapshot], Floats]
+
+
+def _strains(first: int) -> Callable[[Snapshot], Floats]:
+    return lambda shot: shot.now.strains[..., first : first + 3]
+
+
+def _energy_density(shot: Snapshot) -> Floats:
+    """``W = 1/2 (eps, kap) . [[A, -B], [-B, D]] (eps, kap)`` [J/m^2]."""
+    strains = shot.now.strains
+    return 0.5 * np.einsum("...i,ij,...j->...", strains, shot.plate.laminate.stiffness, strains)
+
+
+def _von_mises(shot: Snapshot, places: Sequence[tuple[int, str]]) -> Floats:
+    stresses = [ply_stress(shot.plate.laminate, shot.now.strains, ply, surface) for ply, surface in places]  # type: ignore[arg-type]
+    return np.max([von_mises(stress) for stress in stresses], axis=0)
+
+
+def _faces(laminate: Laminate) -> list[tuple[int, str]]:
+    """Bottom and top of every ply: stress is linear within one, so its extremes are there."""
+    return [(ply, surface) for ply in range(len(laminate.layers)) for surface in ("bottom", "top")]
+
+
+def _failure(criterion: Criterion) -> Callable[[Snapshot], Floats]:
+    def largest(shot: Snapshot) -> Floats:
+        laminate, strains = shot.plate.laminate, shot.now.strains
+        faces = _faces(laminate)
+        return np.max([failure_index(laminate, strains, ply, face, criterion) for ply, face in faces], axis=0)  # type: ignore[arg-type]
+
+    return largest
+
+
+FIELDS = {
+    field.name: field
+    for field in (
+        SurfaceField("displacement", "Displacement", "m", VECTOR, lambda shot: shot.displacement),
+        SurfaceField("velocity", "Velocity", "m/s", VECTOR, lambda shot: shot.velocity),
+        SurfaceField("normal", "Unit normal", "1", VECTOR, lambda shot: shot.now.n),
+        SurfaceField("membrane_strain", "Membrane strain", "1", PLANE, _strains(0)),
+        SurfaceField("curvature", "Change of curvature", "1/m", PLANE, _strains(3)),
+        SurfaceField("strain_energy_density", "Strain energy density", "J/m²", (), _energy_density),
+        SurfaceField("von_mises_top", "Von Mises stress, top", "Pa", (), lambda shot: _von_mises(shot, [(-1, "top")])),
+        SurfaceField("von_mises_bottom", "Von Mises stress, bottom", "Pa", (), lambda shot: _von_mises(shot, [(0, "bottom")])),
+        SurfaceField("von_mises", "Von Mises stress, all plies", "Pa", (), lambda s: _von_mises(s, _faces(s.plate.laminate))),
+        SurfaceField("tsai_hill", "Tsai-Hill index, all plies", "1", (), _failure("tsai-hill")),
+        SurfaceField("tsai_wu", "Tsai-Wu index, all plies", "1", (), _failure("tsai-wu")),
+    )
+}
+"""Every field by its name; those "of all plies" are the largest value over the plies and their two faces."""
+
+
+def available(result: Result) -> list[SurfaceField]:
+    """The fields a result can give: velocities need frames that keep them, failure indices need strengths."""
+    from lamella.io.results import frame_velocities
+
+    moving = bool(np.isfinite(frame_velocities(result)).all())
+    strong = all(_has_strengths(plate.laminate) for plate in result.model.plates)
+    missing = (set() if moving else {"velocity"}) | (set() if strong else {"tsai_hill", "tsai_wu"})
+    return [field for name, field in FIELDS.items() if name not in missing]
+
+
+def _has_strengths(laminate: Laminate) -> bool:
+    names = ("Xt", "Xc", "Yt", "Yc", "S12")
+    return all(getattr(lamina, name) is not None for lamina in laminate.laminas for name in names)
+
+
+def select(name: str) -> tuple[SurfaceField, int | None]:
+    """The field ``name``, or its component ``name.component``; the magnitude of a vector has no component.
+
+    Raises:
+        DeclarationError: no such field or component.
+    """
+    stem, _, label = name.partition(".")
+    if stem not in FIELDS:
+        raise DeclarationError("picture", f"no field '{name}'", f"accepted are {', '.join(FIELDS)}")
+    field = FIELDS[stem]
+    if not label:
+        if field.labels == PLANE:
+            names = ", ".join(f"{stem}.{one}" for one in PLANE)
+            raise DeclarationError("picture", f"field '{name}' has no magnitude", f"accepted are {names}")
+        return field, None
+    if label not in field.labels:
+        names = ", ".join(f"{stem}.{one}" for one in field.labels)
+        raise DeclarationError("picture", f"field '{stem}' has no component '{label}'", f"accepted are {names or stem}")
+    return field, field.labels.index(label)
+
+
+def scalar(field: SurfaceField, component: int | None, shot: Snapshot) -> Floats:
+    """One number at each grid point: a scalar field, a component, or the magnitude of a vector; shape (my, mx)."""
+    values = field.evaluate(shot)
+    if not field.labels:
+        return values
+    return np.linalg.norm(values, axis=-1) if component is None else values[..., component]

@@ -1,0 +1,261 @@
+"""Figures of recorded signals, of the energy balance, of models compared and of convergence (matplotlib)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.errors import DeclarationError
+from lamella.roles import Floats
+from lamella.viz.style import COLOURS, COMPONENT_COLOURS, DASHES, INK, WIDTH, new_figure, place_legend, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from lamella.result import Result
+
+AXIS_LABEL = {"time": "Time [s]", "load_factor": "Load factor [–]", "arc_length": "Arc length [–]"}
+ENERGIES = ("energy.", "work.")
+BALANCE = "energy.balance"
+SMALLEST_SPAN = 5e-3
+"""A component that varies less than this part of its signal's largest variation is drawn as flat as it is."""
+
+_COLUMNS = 60
+"""Columns of the grid that rows of up to six components share; a multiple of their numbers."""
+
+Curve = tuple[Floats, Floats]
+
+
+def unit_label(name: str, unit: str) -> str:
+    """A quantity with its unit in brackets; a pure number has a dash."""
+    return f"{name} [{'–' if unit in ('', '1') else unit.replace(' ', ' ')}]"
+
+
+def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: str = "") -> Figure:
+    """Recorded signals over time: a row for each signal, a column for each component, each with its own range.
+
+    Args:
+        result: of a solution, or read from a file.
+        names: signals, or single components such as ``tip.position.z``; by default all positions and forces.
+        title: heading of the figure.
+
+    Raises:
+        DeclarationError: no such signal.
+    """
+    if names is None:
+        names = [name for name in result.signals if name.endswith((".position", ".force"))] or list(result.signals)
+    rows = [_columns(result, name) for name in names]
+    with styled():
+        figure = new_figure(0.35 + 1.75 * len(rows))
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
+        grid = figure.add_gridspec(len(rows), _COLUMNS)
+        for row, (name, columns) in enumerate(zip(names, rows, strict=True)):
+            width = _COLUMNS // len(columns)
+            axes = [figure.add_subplot(grid[row, k * width : (k + 1) * width]) for k in range(len(columns))]
+            _draw_row(axes, name, result, columns, last=row == len(rows) - 1)
+        _note_outcome(figure, [result])
+    return figure
+
+
+def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
+    """Energies and works over time, and below them what the balance leaves over.
+
+    Raises:
+        DeclarationError: the result has no energies.
+    """
+    names = [name for name in result.signals if name.startswith(ENERGIES) and name != BALANCE]
+    if not names:
+        raise DeclarationError(
+            "energy plot", "the result has no signal energy.* or work.*", f"recorded are {', '.join(result.signals)}"
+        )
+    series = {name: result.history(name).values for name in names}
+    zero = [name for name, values in series.items() if not np.any(values)]
+    with styled():
+        figure = new_figure(4.2)
+        upper, lower = (
+            figure.subplots(2, 1, sharex=True, height_ratios=(3, 1)) if BALANCE in result else (figure.subplots(), None)
+        )
+        for number, (name, values) in enumerate((n, v) for n, v in series.items() if n not in zero):
+            dash = DASHES[1] if name.startswith("work.") else DASHES[0]
+            upper.plot(result.at, values, color=COLOURS[number % len(COLOURS)], linestyle=dash, label=_short(result, name))
+        upper.set(title=title, ylabel="Energy [J]")
+        place_legend(upper, "Zero: " + ", ".join(_short(result, name).lower() for name in zero) if zero else "")
+        if lower is not None:
+            lower.plot(result.at, result.history(BALANCE).values, color=INK, linewidth=1.1)
+            lower.set_ylabel("Balance [J]")
+        (upper if lower is None else lower).set_xlabel(AXIS_LABEL[result.axis])
+        upper.margins(x=0.01)
+        _note_outcome(figure, [result])
+    return figure
+
+
+def plot_comparison(
+    results: Mapping[str, Result],
+    name: str,
+    *,
+    change: bool = False,
+    references: Mapping[str, Curve] | None = None,
+    label: str = "",
+    title: str = "",
+) -> Figure:
+    """One signal of several results in one axes.
+
+    Args:
+        results: a label for each model, and its result.
+        name: a scalar signal or one component, such as ``C.position.z``.
+        change: draw the change since the start, such as a deflection instead of a position.
+        references: points to compare with, such as published values: label to (time, value).
+        label: of the vertical axis without unit, by default the signal's name.
+        title: heading.
+
+    Raises:
+        DeclarationError: a result has no such signal, or the signal has several components.
+    """
+    curves = {}
+    for model, result in results.items():
+        columns = _columns(result, name)
+        if len(columns) != 1:
+            names = ", ".join(f"{name}.{component}" for component in columns)
+            raise DeclarationError("comparison", f"'{name}' has several components", f"accepted are {names}")
+        values = next(iter(columns.values()))
+        curves[model] = (result.at, values - values[0] if change else values)
+    first = next(iter(results.values()))
+    text = label or (f"Change of {name}" if change else name)
+    unit = _signal_of(first, name)[1]
+    figure = plot_curves(curves, AXIS_LABEL[first.axis], unit_label(text, unit), points=references, title=title)
+    with styled():
+        _note_outcome(figure, list(results.values()))
+    return figure
+
+
+def plot_curves(
+    curves: Mapping[str, Curve], x_label: str, y_label: str, *, points: Mapping[str, Curve] | None = None, title: str = ""
+) -> Figure:
+    """Curves, and points to compare them with, in one axes.
+
+    Args:
+        curves: label to (x, y), drawn as lines.
+        x_label: horizontal axis with unit.
+        y_label: vertical axis with unit.
+        points: label to (x, y), drawn as open markers.
+        title: heading.
+    """
+    with styled():
+        figure = new_figure(3.4)
+        axes = figure.subplots()
+        for number, (name, (x, y)) in enumerate(curves.items()):
+            dash = DASHES[(number // 2 + number) % len(DASHES)] if len(curves) > 1 else DASHES[0]
+            axes.plot(x, y, color=COLOURS[number % len(COLOURS)], linestyle=dash, label=name)
+        for number, (name, (x, y)) in enumerate((points or {}).items()):
+            axes.plot(x, y, "os^Dv"[number % 5], markerfacecolor="white", markeredgecolor=INK, markersize=5, label=name, zorder=3)
+        axes.set(title=title, xlabel=x_label, ylabel=y_label)
+        axes.margins(x=0.01)
+        if len(curves) + len(points or {}) > 1:
+            place_legend(axes)
+    return figure
+
+
+def plot_convergence(
+    series: Mapping[str, Curve],
+    x_label: str,
+    y_label: str = "Relative error [–]",
+    *,
+    title: str = "",
+    orders: Sequence[int] = (),
+) -> Figure:
+    """Errors against a step or an element size, both logarithmic; the legend gives the order observed.
+
+    Args:
+        series: label to (size, error), errors positive.
+        x_label: horizontal axis with unit.
+        y_label: vertical axis with unit.
+        title: heading.
+        orders: thin lines of these orders to compare with, through the first series' last point.
+    """
+    with styled():
+        figure = new_figure(3.4, WIDTH * 0.86)
+        axes = figure.subplots()
+        for number, (name, (size, error)) in enumerate(series.items()):
+            text = f"{name}, order {observed_order(size, error):.2f}" if len(size) > 1 else name
+            axes.loglog(size, error, "osD^v"[number % 5] + "-", color=COLOURS[number % len(COLOURS)], markersize=4.5, label=text)
+        size, error = (np.asarray(values, float) for values in next(iter(series.values())))
+        finest, span = int(np.argmin(size)), np.array([size.min(), size.max()])
+        for order in orders:
+            line = error[finest] * (span / size[finest]) ** order
+            axes.loglog(span, line, color="#8a95a3", linewidth=0.9, linestyle=DASHES[2], zorder=1)
+            axes.annotate(f"order {order}", (span[1], line[1]), (3, 0), textcoords="offset points", fontsize=8, va="center")
+        axes.set(title=title, xlabel=x_label, ylabel=y_label)
+        _tick_sizes(axes, np.unique(np.concatenate([np.asarray(x, float) for x, _ in series.values()])))
+        place_legend(axes)
+    return figure
+
+
+def _tick_sizes(axes: Axes, sizes: Floats) -> None:
+    """Label the sizes that were computed, unless there are too many of them."""
+    axes.grid(which="minor", axis="y", linewidth=0.3)
+    if len(sizes) <= 8:
+        axes.set_xticks(sizes, [f"{size:.3g}" for size in sizes])
+        axes.set_xticks([], minor=True)
+
+
+def observed_order(size: Floats, error: Floats) -> float:
+    """Slope of log(error) over log(size) by least squares."""
+    return float(np.polyfit(np.log(size), np.log(error), 1)[0])
+
+
+def _signal_of(result: Result, name: str) -> tuple[str, str, str | None]:
+    """Signal, unit and component meant by ``name``, which is a signal or a signal with a component."""
+    if name in result.signals:
+        return name, result.signals[name].unit, None
+    stem, _, component = name.rpartition(".")
+    if stem not in result.signals or component not in result.signals[stem].labels:
+        result.history(name)  # raises the error that lists the signals
+    return stem, result.signals[stem].unit, component
+
+
+def _columns(result: Result, name: str) -> dict[str, Floats]:
+    """Components by their label; a scalar has the empty label."""
+    signal, _, component = _signal_of(result, name)
+    values, labels = result.history(signal).values, result.signals[signal].labels
+    if not labels:
+        return {"": values}
+    return {label: values[:, k] for k, label in enumerate(labels) if component in (None, label)}
+
+
+def _draw_row(axes: Sequence[Axes], name: str, result: Result, columns: dict[str, Floats], last: bool) -> None:
+    signal, unit, _ = _signal_of(result, name)
+    spans = [float(np.ptp(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0 for values in columns.values()]
+    for number, (axis, (label, values)) in enumerate(zip(axes, columns.items(), strict=True)):
+        colour = COMPONENT_COLOURS.get(label, COLOURS[number % len(COLOURS)])
+        axis.plot(result.at, values, color=colour)
+        axis.margins(x=0.01)
+        _keep_flat(axis, values, spans[number], SMALLEST_SPAN * max(spans))
+        axis.set_title(f"{signal} {label}".strip() if number == 0 else label)
+        if number == 0:
+            axis.set_ylabel(f"[{'–' if unit in ('', '1') else unit}]")
+        if last:
+            axis.set_xlabel(AXIS_LABEL[result.axis])
+
+
+def _keep_flat(axis: Axes, values: Floats, span: float, smallest: float) -> None:
+    """Do not blow rounding errors up to the height of the axes."""
+    if span < smallest:
+        middle = 0.5 * float(np.nanmin(values) + np.nanmax(values))
+        axis.set_ylim(middle - smallest, middle + smallest)
+
+
+def _short(result: Result, name: str) -> str:
+    """Name of an energy for the legend."""
+    text = result.signals[name].description or name
+    return text[:1].upper() + text[1:]
+
+
+def _note_outcome(figure: Figure, results: Sequence[Result]) -> None:
+    """Say below the figure which runs did not reach their end."""
+    stopped = sorted({str(result.outcome) for result in results if not result.outcome.completed})
+    if stopped:
+        figure.supxlabel("; ".join(stopped), fontsize=8, color="#a33", x=0.01, ha="left")

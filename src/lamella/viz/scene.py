@@ -1,0 +1,222 @@
+"""Shaded pictures and animations of deformed plates, coloured by a field.
+
+``picture`` and ``animation`` draw with PyVista where OpenGL works and with matplotlib everywhere else; both frame alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.errors import DeclarationError, ResultFileError
+from lamella.roles import Floats
+from lamella.viz.camera import Camera, fit_camera
+from lamella.viz.compose import Composer, save_gif, save_mp4
+from lamella.viz.fields import Snapshot, SurfaceSampler, scalar, select
+from lamella.viz.renderer import ColourScale, Renderer, RendererName, Sheet, make_renderer
+
+if TYPE_CHECKING:
+    from lamella.result import Result
+
+MOST_FITTED = 60
+"""Frames looked at to fit the camera and the colours; more would not show."""
+
+PICTURE_DPI, ANIMATION_DPI = 160, 100
+"""Resolutions: a picture is for print, an animation for the screen."""
+
+View = str | tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Everything pictures of one result have in common."""
+
+    result: Result
+    sampler: SurfaceSampler
+    field: str
+    scale: float
+    per_element: int
+    camera: Camera
+    colours: ColourScale
+    label: str
+
+    def sheets(self, frame: int) -> list[Sheet]:
+        """What a renderer draws of one frame."""
+        field, component = select(self.field)
+        return [_sheet(shot, scalar(field, component, shot), self.scale, self.per_element) for shot in self.sampler.at(frame)]
+
+    def caption(self, frame: int) -> str:
+        """Where a frame stands on the axis of the result."""
+        at = float(self.result.frame_at[frame])
+        unit = {"time": " s", "load_factor": "", "arc_length": ""}[self.result.axis]
+        symbol = {"time": "t", "load_factor": "load factor", "arc_length": "arc length"}[self.result.axis]
+        return f"{symbol} = {at:.4g}{unit}"
+
+
+def picture(
+    result: Result,
+    path: str | Path,
+    *,
+    at: float | Sequence[float] | None = None,
+    field: str = "displacement",
+    scale: float = 1.0,
+    view: View = "isometric",
+    title: str = "",
+    per_element: int = 6,
+    width: int = 1760,
+    renderer: RendererName = "auto",
+) -> Path:
+    """Draw the deformed plates at one or several times.
+
+    Args:
+        result: of a solution, or read from a file.
+        path: PNG (or SVG, PDF) to write.
+        at: time [s] or load factor, or several for panels side by side; the nearest frames are drawn; by default the last.
+        field: name of :data:`lamella.viz.fields.FIELDS`, or a component such as ``displacement.z``.
+        scale: factor on the displacement; 1 is true to scale.
+        view: ``isometric``, ``front``, ``side``, ``top``, or the direction in which the camera looks.
+        title: heading.
+        per_element: grid intervals along each side of an element.
+        width: of the whole picture [pixel].
+        renderer: ``auto``, ``pyvista`` or ``matplotlib``.
+
+    Raises:
+        DeclarationError: unknown field, view or renderer, or a result without frames of plates.
+        ResultFileError: the picture cannot be written.
+    """
+    frames = _frames_at(result, at)
+    drawing = _prepare(result, field, scale, per_element, view, frames)
+    composer = Composer(drawing.camera, drawing.colours, drawing.label, len(frames), width, title or _title(scale), PICTURE_DPI)
+    with _drawing(drawing, composer, renderer) as painter:
+        composer.show([painter.draw(drawing.sheets(frame)) for frame in frames], [drawing.caption(frame) for frame in frames])
+    return composer.save(Path(path))
+
+
+def animation(
+    result: Result,
+    path: str | Path,
+    *,
+    field: str = "displacement",
+    scale: float = 1.0,
+    view: View = "isometric",
+    title: str = "",
+    per_element: int = 4,
+    width: int = 720,
+    frames: int = 60,
+    seconds: float | None = None,
+    renderer: RendererName = "auto",
+) -> Path:
+    """Animate the deformed plates: a GIF, or an MP4 where imageio-ffmpeg is installed.
+
+    Args:
+        result: of a solution, or read from a file.
+        path: ``*.gif`` or ``*.mp4``.
+        frames: largest number of frames, spread evenly.
+        seconds: how long it lasts; by default 12 frames a second, repeated for ever.
+        field, scale, view, title, per_element, width, renderer: as in :func:`picture`.
+
+    Raises:
+        DeclarationError: as :func:`picture`.
+        MissingExtraError: an MP4 is asked for without imageio-ffmpeg.
+        ResultFileError: the animation cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (".gif", ".mp4"):
+        raise ResultFileError(f"animation '{path}': unknown suffix '{path.suffix}'; accepted are .gif and .mp4")
+    chosen = _spread(len(result.frame_at), frames)
+    drawing = _prepare(result, field, scale, per_element, view, chosen)
+    composer = Composer(drawing.camera, drawing.colours, drawing.label, 1, width, title or _title(scale), ANIMATION_DPI)
+    with _drawing(drawing, composer, renderer) as painter:
+
+        def pictures() -> Iterator[np.ndarray]:
+            for frame in chosen:
+                composer.show([painter.draw(drawing.sheets(frame))], [drawing.caption(frame)])
+                yield composer.pixels()
+
+        each = (seconds or len(chosen) / 12.0) / len(chosen)
+        return save_gif(pictures(), path, each) if path.suffix.lower() == ".gif" else save_mp4(pictures(), path, each)
+
+
+class _drawing:  # noqa: N801 -- used as a statement: with _drawing(...)
+    """A renderer for the panels of a composer, closed at the end."""
+
+    def __init__(self, drawing: Drawing, composer: Composer, name: RendererName) -> None:
+        self.renderer = make_renderer(name, drawing.camera, drawing.colours, composer.panel)
+
+    def __enter__(self) -> Renderer:
+        return self.renderer
+
+    def __exit__(self, *_: object) -> None:
+        self.renderer.close()
+
+
+def _prepare(result: Result, field: str, scale: float, per_element: int, view: View, shown: Sequence[int]) -> Drawing:
+    """Fit the camera to all frames and the colours to those shown."""
+    chosen, component = select(field)
+    fitted = sorted({*_spread(len(result.frame_at), MOST_FITTED), *shown})
+    coarse, points, low, high = SurfaceSampler(result, 2), [], [], []
+    for frame in fitted:
+        for shot in coarse.at(frame):
+            points += [_moved(shot, scale).reshape(-1, 3), shot.reference.r.reshape(-1, 3)]
+            if frame in shown:
+                values = scalar(chosen, component, shot)
+                low.append(np.nanmin(values) if np.isfinite(values).any() else 0.0)
+                high.append(np.nanmax(values) if np.isfinite(values).any() else 0.0)
+    camera = fit_camera(np.concatenate(points), view)
+    name = chosen.title + (f", {chosen.labels[component]}" if component is not None else "")
+    unit = "" if chosen.unit == "1" else f" [{chosen.unit}]"
+    return Drawing(
+        result,
+        SurfaceSampler(result, per_element),
+        field,
+        scale,
+        per_element,
+        camera,
+        _colour_scale(min(low), max(high)),
+        name + unit,
+    )
+
+
+def _colour_scale(low: float, high: float) -> ColourScale:
+    """From zero for what has one sign, symmetric with a neutral middle for what has two."""
+    largest = max(abs(low), abs(high))
+    if largest == 0.0:
+        return ColourScale("viridis", 0.0, 1.0)
+    if low < -1e-3 * largest and high > 1e-3 * largest:
+        return ColourScale("RdBu_r", -largest, largest)
+    return ColourScale("viridis", 0.0, high) if high > -low else ColourScale("viridis_r", low, 0.0)
+
+
+def _sheet(shot: Snapshot, values: Floats, scale: float, per_element: int) -> Sheet:
+    points = _moved(shot, scale)
+    rows, columns = range(0, points.shape[0], per_element), range(0, points.shape[1], per_element)
+    reference = shot.reference.r
+    outline = np.concatenate([reference[0], reference[1:, -1], reference[-1, -2::-1], reference[-2::-1, 0]])
+    return Sheet(points, values, [points[j] for j in rows] + [points[:, i] for i in columns], outline)
+
+
+def _moved(shot: Snapshot, scale: float) -> Floats:
+    return shot.reference.r + scale * shot.displacement
+
+
+def _frames_at(result: Result, at: float | Sequence[float] | None) -> list[int]:
+    if not len(result.frame_at) or not result.model.plates:
+        raise DeclarationError("picture", "the result has no frame of a plate", "accepted is a result that got beyond its start")
+    if at is None:
+        return [len(result.frame_at) - 1]
+    return [int(np.argmin(np.abs(result.frame_at - value))) for value in np.atleast_1d(np.asarray(at, float))]
+
+
+def _spread(there: int, most: int) -> list[int]:
+    """At most ``most`` of the frames, evenly spread, first and last included."""
+    if not there:
+        raise DeclarationError("picture", "the result has no frame", "accepted is a result that got beyond its start")
+    return sorted({int(k) for k in np.round(np.linspace(0, there - 1, min(there, max(most, 1))))})
+
+
+def _title(scale: float) -> str:
+    return "" if scale == 1.0 else f"displacement × {scale:g}"

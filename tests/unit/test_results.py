@@ -1,0 +1,275 @@
+"""The result file: written while a run goes on, read by h5py and xarray, valid whatever happens to the run."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+import lamella as lm
+from lamella.dofs import Signal
+from lamella.errors import ResultFileError
+from lamella.io.results import ResultWriter, read_result, write_result
+from lamella.result import Cause, Outcome, Recorder, Result, Statistics
+from lamella.state import State
+
+N_Q = 6
+TEXT = '{"plates": {"wing": {"size": [1.5, 2.0]}}}'
+SIGNALS = (
+    Signal("tip.position", "m", ("x", "y", "z"), lambda state: state.q[:3], "position of the tip"),
+    Signal("energy.kinetic", "J", (), lambda state: 0.5 * float(state.v @ state.v), "kinetic energy"),
+    Signal("root.moment", "N m", ("along", "across"), lambda state: state.q[3:5]),
+)
+
+
+def state_at(t: float) -> State:
+    """A state whose numbers differ in every component and at every time."""
+    q = np.arange(N_Q) + t
+    return State(t, q, 2.0 * q, np.zeros(N_Q), np.empty(0), np.zeros(N_Q))
+
+
+def run(sinks: tuple[ResultWriter, ...] = (), steps: int = 40, axis: str = "time") -> Recorder:
+    recorder = Recorder(SIGNALS, axis, 0.0, 1.0, frames=10, sinks=sinks)
+    for t in np.linspace(0.0, 1.0, steps + 1):
+        recorder.sample(float(t), state_at(float(t)))
+    return recorder
+
+
+def small_system() -> lm.System:
+    system = lm.System()
+    sheet = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=0.01)
+    system.add(lm.Plate("wing", size=(1.5, 2.0), mesh=(2, 1), laminate=sheet))
+    return system
+
+
+def result_of(recorder: Recorder) -> Result:
+    model = SimpleNamespace(description=small_system())
+    statistics = Statistics(steps=40, newton_iterations=90, seconds_run=0.25)
+    return Result(model, recorder, state_at(1.0), Outcome(Cause.COMPLETED, 1.0, 1.0), statistics)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    """A file written by a run that ended."""
+    path = tmp_path / "run.h5"
+    writer = ResultWriter(path, SIGNALS, "time", N_Q, model_text=TEXT, title="a wing", target=1.0)
+    run((writer,))
+    writer.close(Outcome(Cause.COMPLETED, 1.0, 1.0), Statistics(steps=40, seconds_run=0.25))
+    return path
+
+
+def test_h5py_reads_values_units_and_labels(written: Path) -> None:
+    with h5py.File(written) as file:
+        tip = file["signals/tip.position"]
+        assert tip.shape == (41, 3)
+        assert tip.maxshape == (None, 3)
+        np.testing.assert_array_equal(tip[4], np.arange(3) + 0.1)
+        assert (tip.attrs["units"], tip.attrs["long_name"]) == ("m", "position of the tip")
+        np.testing.assert_array_equal(tip.dims[0]["time"][:3], [0.0, 0.025, 0.05])
+        assert list(tip.dims[1][0].asstr()) == ["x", "y", "z"]
+        assert file["signals/energy.kinetic"].shape == (41,)
+        assert file["frames/q"].shape == (11, N_Q)
+        np.testing.assert_array_equal(file["frames/v"][3], 2.0 * file["frames/q"][3])
+        assert file["statistics/steps"][()] == 40
+        assert file["statistics/seconds_run"].attrs["units"] == "s"
+
+
+def test_root_attributes_say_what_and_with_what(written: Path) -> None:
+    with h5py.File(written) as file:
+        attributes = dict(file.attrs)
+    assert attributes["model"] == TEXT
+    assert attributes["title"] == "a wing"
+    assert attributes["numpy_version"] == np.__version__
+    assert {"lamella_version", "scipy_version", "numba_version", "python_version", "created"} <= set(attributes)
+    assert (attributes["outcome"], attributes["reached"], attributes["target"]) == ("completed", 1.0, 1.0)
+
+
+def test_xarray_reads_groups(written: Path) -> None:
+    with xarray.open_dataset(written, engine="h5netcdf", group="signals") as signals:
+        assert signals["tip.position"].dims == ("time", "component")
+        assert signals.time.dtype == np.float64  # seconds stay numbers, they are not decoded as a calendar time
+        assert signals["tip.position"].sel(component="z", time=0.5).item() == 2.5
+        assert signals["tip.position"].attrs["units"] == "m"
+        assert list(signals["root.moment"].coords["component_along_across"].values) == ["along", "across"]
+    with xarray.open_dataset(written, engine="h5netcdf", group="frames") as frames:
+        assert frames.q.dims == ("time", "coordinate")
+        assert frames.q.shape == (11, N_Q)
+
+
+def test_read_result_has_the_interface_of_a_result(written: Path) -> None:
+    memory, stored = result_of(run()), read_result(written)
+    assert list(stored.signals) == list(memory.signals)
+    for name in memory.signals:
+        xarray.testing.assert_identical(stored.history(name), memory.history(name))
+    np.testing.assert_array_equal(stored.frame_at, memory.frame_at)
+    np.testing.assert_array_equal(stored.frame_q, memory.frame_q)
+    assert stored.outcome == Outcome(Cause.COMPLETED, 1.0, 1.0)
+    assert stored.statistics.steps == 40
+    assert (stored.model_text, stored.title) == (TEXT, "a wing")
+    np.testing.assert_array_equal(stored.final.v, 2.0 * memory.frame_q[-1])
+
+
+@pytest.mark.parametrize("axis", ["time", "load_factor", "arc_length"])
+def test_saved_result_reads_back(tmp_path: Path, axis: str) -> None:
+    memory = result_of(run(axis=axis))
+    path = memory.save(tmp_path / "saved.h5")
+    stored = read_result(path)
+    assert stored.axis == axis
+    xarray.testing.assert_identical(stored["tip.position"], memory["tip.position"])
+    assert "size: [1.5, 2.0]" in stored.model_text
+    assert stored.model.plates[0].name == "wing"
+    assert stored.model.n_q == 6 * 12
+    again = write_result(stored, tmp_path / "again.h5")
+    assert read_result(again).model_text == stored.model_text
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["again.h5", "saved.h5"]  # no partial file stays
+
+
+def test_running_file_is_readable_and_says_how_far_it_got(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    writer = ResultWriter(path, SIGNALS, "time", N_Q, target=1.0)
+    for t in (0.0, 0.1, 0.2):
+        writer.sample(t, [state_at(t).q[:3], np.array([1.0]), np.zeros(2)])
+    writer.flush()
+    stored = read_result(path)
+    assert stored.outcome.cause is Cause.INTERRUPTED
+    assert (stored.outcome.reached, stored.outcome.target) == (0.2, 1.0)
+    assert len(stored.at) == 3
+    writer.close(Outcome(Cause.INTERRUPTED, 0.2, 1.0), Statistics())
+    assert str(read_result(path).outcome) == "stopped at 0.2 of 1: interrupted by the user"
+
+
+def child(tmp_path: Path, code: str) -> subprocess.CompletedProcess[str]:
+    """Run ``code`` in a process of its own, with this test's definitions."""
+    header = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\nfrom test_results import *\n"
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    command = [sys.executable, "-c", header + textwrap.dedent(code)]
+    return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment, check=False)
+
+
+def test_killed_run_leaves_a_valid_file(tmp_path: Path) -> None:
+    done = child(
+        tmp_path,
+        """
+        import os, signal
+        writer = ResultWriter("run.h5", SIGNALS, "time", N_Q, target=1.0, flush_seconds=0.0)
+        run((writer,), steps=400)
+        os.kill(os.getpid(), signal.SIGKILL)
+        """,
+    )
+    assert done.returncode == -9, done.stderr
+    stored = read_result(tmp_path / "run.h5")
+    assert len(stored.at) == 401
+    assert stored.outcome.reached == 1.0
+    assert "killed" in stored.outcome.detail
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="file size limits are a POSIX feature")
+def test_file_that_cannot_grow_keeps_what_was_flushed(tmp_path: Path) -> None:
+    done = child(
+        tmp_path,
+        """
+        import resource
+        writer = ResultWriter("run.h5", SIGNALS, "time", N_Q, target=1.0, flush_seconds=0.01)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (700_000, 700_000))
+        try:
+            run((writer,), steps=8000)
+        except ResultFileError as error:
+            print("refused:", error)
+            writer.close(Outcome(Cause.WRITE_FAILED, 0.5, 1.0), Statistics())
+        """,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "refused: result file 'run.h5' cannot be written beyond time" in done.stdout
+    stored = read_result(tmp_path / "run.h5")
+    assert len(stored.at) > 100
+    np.testing.assert_allclose(stored.history("tip.position")[:, 0], stored.at, rtol=0, atol=0)
+
+
+def test_full_disk_is_noticed_before_the_file_is_harmed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    writer = ResultWriter(tmp_path / "run.h5", SIGNALS, "time", N_Q, target=1.0)
+    run((writer,), steps=5)
+    writer.flush()
+
+    def full(descriptor: int, offset: int, size: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("lamella.io.result_layout.os.posix_fallocate", full, raising=False)
+        writer.sample(1.5, [np.zeros(3), np.zeros(1), np.zeros(2)])
+        with pytest.raises(ResultFileError, match=r"cannot be written beyond time 1\.5.*No space left.*another folder"):
+            writer.flush()
+    writer.close(Outcome(Cause.WRITE_FAILED, 1.0, 2.0, "disk full"), Statistics())
+    stored = read_result(tmp_path / "run.h5")
+    assert stored.outcome.cause is Cause.WRITE_FAILED
+    assert len(stored.at) == 6
+
+
+def test_reserved_room_is_given_back(written: Path) -> None:
+    assert written.stat().st_size < 100_000  # 41 samples and 11 frames in whole chunks; the reserve alone is 256 kB
+
+
+def test_existing_result_is_kept_unless_asked(written: Path) -> None:
+    with pytest.raises(ResultFileError, match=r"run\.h5' exists already; choose another name or ask to overwrite"):
+        ResultWriter(written, SIGNALS, "time", N_Q)
+    assert len(read_result(written).at) == 41
+    ResultWriter(written, SIGNALS, "time", N_Q, overwrite=True).close(Outcome(Cause.COMPLETED, 0, 0), Statistics())
+    assert len(read_result(written).at) == 0
+
+
+def test_other_files_are_never_replaced(tmp_path: Path) -> None:
+    model = tmp_path / "model.yaml"
+    model.write_text("title: mine")
+    with pytest.raises(ResultFileError, match="is not a result file, so it is not replaced"):
+        ResultWriter(model, SIGNALS, "time", N_Q, overwrite=True)
+    with pytest.raises(ResultFileError, match="is not a result file, so it is not replaced"):
+        result_of(run()).save(model)
+    assert model.read_text() == "title: mine"
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs a folder nobody may write to")
+def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    with pytest.raises(ResultFileError, match=r"/proc/run\.h5' cannot be created.*accepted is a file in a writable folder"):
+        ResultWriter("/proc/run.h5", SIGNALS, "time", N_Q)
+    with pytest.raises(ResultFileError, match=r"folder '.*nowhere' does not exist"):
+        result_of(run()).save(tmp_path / "nowhere" / "run.h5")
+    with pytest.raises(ResultFileError, match="is a folder"):
+        result_of(run()).save(tmp_path)
+
+
+def test_what_is_not_a_result_file(tmp_path: Path, written: Path) -> None:
+    with pytest.raises(ResultFileError, match=r"none\.h5' does not exist"):
+        read_result(tmp_path / "none.h5")
+    text = tmp_path / "text.h5"
+    text.write_text("hello")
+    with pytest.raises(ResultFileError, match="is not a result file; accepted is"):
+        read_result(text)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = 1.0
+    with pytest.raises(ResultFileError, match="is not a result file; accepted is"):
+        read_result(tmp_path / "other.h5")
+    (tmp_path / "cut.h5").write_bytes(written.read_bytes()[:3000])
+    with pytest.raises(ResultFileError, match=r"cut\.h5' is damaged or cannot be read"):
+        read_result(tmp_path / "cut.h5")
+    with h5py.File(written, "r+") as file:
+        file.attrs["format_version"] = "9.0"
+    with pytest.raises(ResultFileError, match=r"has format 9\.0; accepted is 1"):
+        read_result(written)
+
+
+def test_result_without_model_says_so(tmp_path: Path) -> None:
+    writer = ResultWriter(tmp_path / "run.h5", SIGNALS, "time", N_Q)
+    writer.close(Outcome(Cause.COMPLETED, 0, 0), Statistics())
+    stored = read_result(tmp_path / "run.h5")
+    with pytest.raises(ResultFileError, match="holds no model"):
+        _ = stored.model
+    with pytest.raises(ResultFileError, match="holds no frame"):
+        _ = stored.final

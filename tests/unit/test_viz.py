@@ -1,0 +1,368 @@
+"""Plots, pictures, animations and the report page: what they show, not only that they are there."""
+
+from __future__ import annotations
+
+import base64
+import re
+import subprocess
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import stand_in
+from PIL import Image
+
+from lamella.errors import DeclarationError, MissingExtraError, ResultFileError
+from lamella.result import Cause, Outcome
+from lamella.study.findings import Finding
+from lamella.viz import renderer
+from lamella.viz.camera import VIEWS, fit_camera
+from lamella.viz.painter import Painter, refined
+from lamella.viz.plots import observed_order, plot_comparison, plot_convergence, plot_energy, plot_signals
+from lamella.viz.renderer import ColourScale, Sheet
+from lamella.viz.report import Figure, Section, Table, cell, write_report
+from lamella.viz.scene import animation, picture
+from lamella.viz.style import RC, save_figure
+
+RENDERERS = [
+    "matplotlib",
+    pytest.param("pyvista", marks=pytest.mark.skipif(not renderer.opengl_window(), reason="no OpenGL here")),
+]
+
+
+def pixels(path: Path) -> Any:
+    return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def coloured(image: Any) -> Any:
+    """Where a picture is neither white nor grey."""
+    return np.ptp(image, axis=-1) > 40
+
+
+# --- plots
+
+
+def test_signals_have_a_row_each_with_components_and_units() -> None:
+    result = stand_in.result()
+    figure = plot_signals(result, ["C.position", "energy.kinetic"])
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["C.position x", "y", "z", "energy.kinetic"]
+    assert [axes.get_ylabel() for axes in figure.axes if axes.get_ylabel()] == ["[m]", "[J]"]
+    x, y = figure.axes[2].lines[0].get_data()
+    np.testing.assert_array_equal(x, result.at)
+    np.testing.assert_array_equal(y, result.history("C.position")[:, 2])
+    flat = figure.axes[0].get_ylim()
+    assert flat[1] - flat[0] > 1e-3  # a component at rest is a straight line, not rounding errors blown up
+
+
+def test_a_component_can_be_named_and_a_wrong_name_lists_the_right_ones() -> None:
+    figure = plot_signals(stand_in.result(), ["C.position.z"])
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["C.position z"]
+    with pytest.raises(DeclarationError, match=r"no signal 'C\.speed'.*recorded are C\.position"):
+        plot_signals(stand_in.result(), ["C.speed"])
+
+
+def test_energy_plot_shows_terms_and_balance() -> None:
+    result = stand_in.result()
+    figure = plot_energy(result)
+    upper, lower = figure.axes
+    labels = [line.get_label() for line in upper.lines]
+    assert labels[:3] == ["Kinetic energy", "Strain energy", "Work of the loads"]
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), result.history("energy.strain"))
+    np.testing.assert_array_equal(lower.lines[0].get_ydata(), result.history("energy.balance"))
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts[-1] == "Zero: energy turned into heat by damping"
+    assert upper.get_ylabel() == "Energy [J]"
+
+
+def test_comparison_draws_the_change_of_each_model_and_marks_early_ends() -> None:
+    early = stand_in.result(scale=0.5)
+    early.outcome = Outcome(Cause.NOT_CONVERGED, 0.4, 0.5)
+    published = (np.array([0.1]), np.array([-0.3]))
+    results = {"exact": stand_in.result(), "linear": early}
+    figure = plot_comparison(results, "C.position.z", change=True, label="Deflection of C", references={"paper": published})
+    axes = figure.axes[0]
+    assert [line.get_label() for line in axes.lines] == ["exact", "linear", "paper"]
+    deepest = [line.get_ydata().min() for line in axes.lines]
+    assert deepest == pytest.approx([-0.8, -0.4, -0.3], abs=1e-12)
+    assert axes.get_ylabel() == "Deflection of C [m]"
+    assert "stopped at 0.4 of 0.5" in figure.get_supxlabel()
+    with pytest.raises(DeclarationError, match=r"several components.*accepted are C\.position\.x"):
+        plot_comparison(results, "C.position")
+
+
+def test_convergence_states_the_observed_order() -> None:
+    size = np.array([1.0, 0.5, 0.25])
+    assert observed_order(size, 3.0 * size**4) == pytest.approx(4.0, abs=1e-12)
+    figure = plot_convergence({"exact": (size, 3.0 * size**4)}, "Element size [m]", orders=(2,))
+    assert figure.axes[0].get_legend().get_texts()[0].get_text() == "exact, order 4.00"
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["0.25", "0.5", "1"]
+
+
+def test_figures_are_saved_alike_and_change_no_global_style(tmp_path: Path) -> None:
+    before = dict(matplotlib.rcParams)
+    figure = plot_energy(stand_in.result())
+    save_figure(figure, tmp_path / "a.png")
+    assert coloured(pixels(tmp_path / "a.png")).mean() > 1e-3
+    svg = [save_figure(plot_energy(stand_in.result()), tmp_path / f"{name}.svg").read_bytes() for name in "bc"]
+    assert svg[0] == svg[1]
+    assert {key: matplotlib.rcParams[key] for key in RC} == {key: before[key] for key in RC}
+    with pytest.raises(ResultFileError, match=r"unknown suffix '\.bmp'; accepted are \.png, \.svg, \.pdf"):
+        save_figure(figure, tmp_path / "a.bmp")
+    with pytest.raises(ResultFileError, match="cannot be written"):
+        save_figure(figure, tmp_path / "nowhere" / "a.png")
+
+
+# --- pictures
+
+
+@pytest.mark.parametrize("name", RENDERERS)
+def test_picture_shows_the_deformed_plate_in_colours(tmp_path: Path, name: Any) -> None:
+    result = stand_in.result()
+    bent = pixels(picture(result, tmp_path / "bent.png", at=0.25, renderer=name, width=960))
+    flat = pixels(picture(result, tmp_path / "flat.png", at=0.0, renderer=name, width=960))
+    assert bent.shape == flat.shape  # the camera fits all frames, so it does not move
+    body = coloured(bent)[:, : int(0.8 * bent.shape[1])]
+    assert 0.2 < body.mean() < 0.8
+    rows = np.flatnonzero(body.any(axis=1))
+    assert (
+        rows[-1] > np.flatnonzero(coloured(flat)[:, : int(0.8 * flat.shape[1])].any(axis=1))[-1] + 20
+    )  # it hangs lower when bent
+    high, low = bent[:, : int(0.8 * bent.shape[1])][body].max(axis=0), bent[:, : int(0.8 * bent.shape[1])][body].min(axis=0)
+    assert np.all(high - low > 80)  # from the scale's blue to its yellow
+
+
+def test_both_renderers_frame_and_colour_alike(tmp_path: Path) -> None:
+    if not renderer.opengl_window():
+        pytest.skip("no OpenGL here")
+    images = [
+        pixels(picture(stand_in.result(), tmp_path / f"{name}.png", at=0.25, renderer=name, width=960, field="displacement.z"))
+        for name in ("pyvista", "matplotlib")
+    ]
+    bodies = [coloured(image) for image in images]
+    assert (bodies[0] ^ bodies[1]).mean() < 0.02  # silhouettes differ by their edges' smoothing only
+    inside = bodies[0] & bodies[1]
+    assert np.abs(images[0][inside] - images[1][inside]).mean() < 40  # of 255; their lights differ
+
+
+def test_several_times_are_panels_of_one_picture(tmp_path: Path) -> None:
+    result = stand_in.result(2)
+    options: dict[str, Any] = {"renderer": "matplotlib", "width": 960, "field": "von_mises"}
+    four = pixels(picture(result, tmp_path / "four.png", at=(0.0, 0.1, 0.2, 0.25), **options))
+    middle = four.shape[1] * 490 // 600 // 2
+    left, right = coloured(four[:, :middle]), coloured(four[:, middle : 2 * middle])
+    assert left.mean() > 0.1
+    assert right.mean() > 0.1
+    assert four.shape[0] > 1.5 * pixels(picture(result, tmp_path / "one.png", at=0.0, **{**options, "width": 480})).shape[0]
+
+
+def test_scale_enlarges_the_displacement_and_says_so(tmp_path: Path) -> None:
+    result = stand_in.result()
+    true = pixels(picture(result, tmp_path / "true.png", view="front", at=0.25, renderer="matplotlib", width=960))
+    large = pixels(picture(result, tmp_path / "large.png", view="front", at=0.25, scale=2.0, renderer="matplotlib", width=960))
+    assert large.shape[0] > 1.4 * true.shape[0]
+
+
+@pytest.mark.parametrize("name", RENDERERS)
+def test_animation_moves(tmp_path: Path, name: Any) -> None:
+    path = animation(stand_in.result(), tmp_path / "swing.gif", renderer=name, width=300, frames=5, seconds=1.0)
+    film = Image.open(path)
+    shots = []
+    for number in range(film.n_frames):  # type: ignore[attr-defined]
+        film.seek(number)
+        shots.append(np.asarray(film.convert("RGB")).astype(int))
+    assert len(shots) == 5
+    assert film.info["duration"] == 200
+    assert film.info["loop"] == 0
+    moved = [np.abs(a - b).mean() for a, b in pairwise(shots)]
+    assert min(moved) > 1.0  # grey levels; a still picture gives zero
+
+
+def test_wrong_requests_name_what_is_accepted(tmp_path: Path) -> None:
+    result = stand_in.result()
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"field": "stress"}, "no field 'stress'; accepted are displacement"),
+        ({"field": "displacement.w"}, "no component 'w'; accepted are displacement.x"),
+        ({"field": "curvature"}, "no magnitude; accepted are curvature.xx"),
+        ({"view": "behind"}, "no view 'behind'; accepted are isometric"),
+        ({"view": (0.0, 0.0, 0.0)}, "has no length"),
+        ({"renderer": "blender"}, "renderer = 'blender'; accepted are auto, pyvista, matplotlib"),
+    ]
+    for options, message in cases:
+        with pytest.raises(DeclarationError, match=re.escape(message)):
+            picture(result, tmp_path / "x.png", **options)
+    with pytest.raises(ResultFileError, match=r"unknown suffix '\.avi'; accepted are \.gif and \.mp4"):
+        animation(result, tmp_path / "x.avi")
+    empty = stand_in.result()
+    empty.frame_at = np.empty(0)
+    with pytest.raises(DeclarationError, match="no frame"):
+        picture(empty, tmp_path / "x.png")
+
+
+# --- choosing a renderer
+
+
+@pytest.fixture
+def fresh_probe() -> Any:
+    """The probe is asked anew, before and after."""
+    renderer.opengl_window.cache_clear()
+    yield
+    renderer.opengl_window.cache_clear()
+
+
+def made(name: Any) -> str:
+    camera = fit_camera(np.eye(3), "isometric")
+    return type(renderer.make_renderer(name, camera, ColourScale("viridis", 0.0, 1.0), (40, 30))).__name__
+
+
+@pytest.mark.usefixtures("fresh_probe")
+@pytest.mark.parametrize("failure", ["crash", "blank", "hang", "missing"])
+def test_matplotlib_takes_over_where_opengl_fails(monkeypatch: pytest.MonkeyPatch, failure: str) -> None:
+    def run(command: list[str], **options: Any) -> subprocess.CompletedProcess[str]:
+        if failure == "hang":
+            raise subprocess.TimeoutExpired(command, options["timeout"])
+        return subprocess.CompletedProcess(command, -11 if failure == "crash" else 0, "blank vtkEGLRenderWindow\n", "")
+
+    monkeypatch.delenv(renderer.CHOICE, raising=False)
+    if failure == "missing":
+        monkeypatch.setattr(renderer.importlib.util, "find_spec", lambda name: None)
+    else:
+        monkeypatch.setattr(renderer.subprocess, "run", run)
+    assert made("auto") == "Painter"
+    with pytest.raises(
+        MissingExtraError, match=r"pip install 'lamella\[viz\]'" if failure == "missing" else "needs an OpenGL library"
+    ):
+        made("pyvista")
+
+
+@pytest.mark.usefixtures("fresh_probe")
+def test_the_environment_may_choose(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
+    monkeypatch.setattr(renderer.subprocess, "run", lambda *_, **__: pytest.fail("no probe is needed"))
+    assert made("auto") == "Painter"
+
+
+# --- camera and painter
+
+
+@pytest.mark.parametrize("view", [*VIEWS, (1.0, 2.0, -0.5)])
+def test_camera_sees_everything_and_z_is_up(view: Any) -> None:
+    points = np.random.default_rng(1).normal(size=(50, 3)) * [3.0, 1.0, 0.2]
+    camera = fit_camera(points, view)
+    flat, _ = camera.project(points)
+    assert np.abs(flat).max() < 1.0
+    assert np.abs(flat).max() > 0.9  # and large
+    assert camera.up @ ([0.0, 1.0, 0.0] if view == "top" else [0.0, 0.0, 1.0]) > 0
+    np.testing.assert_allclose(np.cross(camera.right, camera.up), -camera.look, atol=1e-14)
+
+
+def test_painter_hides_what_is_behind() -> None:
+    x, y = np.meshgrid([0.0, 1.0], [0.0, 1.0])
+    lower, upper = (
+        Sheet(np.stack([x, y, z + 0 * x], -1), np.full((2, 2), v), [], np.zeros((2, 3))) for z, v in ((0, 0.0), (1, 1.0))
+    )
+    camera = fit_camera(upper.points.reshape(-1, 3), "top")
+    painter = Painter(camera, ColourScale("viridis", 0.0, 1.0), (40, 40))
+    for order in ([lower, upper], [upper, lower]):
+        middle = painter.draw(order)[20, 20]
+        assert middle[0] > 150  # the upper sheet's yellow,
+        assert middle[2] < 120  # not the lower one's blue
+
+
+def test_refined_grid_keeps_its_points_and_is_linear_between() -> None:
+    grid = np.random.default_rng(2).normal(size=(3, 4, 2))
+    fine = refined(grid, 3)
+    assert fine.shape == (7, 10, 2)
+    np.testing.assert_allclose(fine[::3, ::3], grid, atol=1e-15)
+    np.testing.assert_allclose(fine[0, 1], (2 * grid[0, 0] + grid[0, 1]) / 3)
+
+
+# --- report
+
+
+class Page(HTMLParser):
+    """Tags, attributes and text of a page; refuses tags that are not closed in order."""
+
+    VOID = frozenset({"meta", "img", "br", "link"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.images: list[dict[str, str | None]] = []
+        self.links: list[str | None] = []
+        self.text = ""
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+        if tag == "img":
+            self.images.append(dict(attrs))
+        self.links += [value for name, value in attrs if name in ("href", "src")]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_report_is_one_whole_page(tmp_path: Path) -> None:
+    result = stand_in.result()
+    result.outcome = Outcome(Cause.INTERRUPTED, 0.4, 0.5)
+    shot = save_figure(plot_energy(result), tmp_path / "energy.png")
+    section = Section(
+        "Energy <balance>",
+        "First part.\n\nSecond part.",
+        [Figure(shot, "From a file."), Figure(plot_signals(result), "From memory.")],
+        [Table(["mesh", "error", "passed"], [["4 × 4", -1.23456789e-3, True], ["8 × 8", 12345, False]])],
+    )
+    found = Finding("Stiffens & swings.", True, {"ratio": 0.6, "note": "large"}, "As the paper says.")
+    path = write_report(
+        tmp_path / "report.html",
+        "A <plate>",
+        [section],
+        [found],
+        summary="Short.",
+        model_text="plate: {a: 1}",
+        results={"exact": result},
+    )
+    page = Page(path.read_text(encoding="utf-8"))
+    assert all(link and link.startswith(("data:", "#")) for link in page.links)  # nothing is loaded from elsewhere
+    assert "@import" not in path.read_text()
+    assert [image["alt"] for image in page.images] == ["From a file.", "From memory."]
+    first = page.images[0]["src"] or ""
+    assert base64.b64decode(first.partition("base64,")[2]) == shot.read_bytes()
+    assert (page.images[1]["src"] or "").startswith("data:image/svg+xml;base64,")
+    for text in (
+        "A <plate>",
+        "Energy <balance>",
+        "Stiffens & swings.",
+        "As the paper says.",
+        "−0.00123457",
+        "12 345",
+        "plate: {a: 1}",
+    ):
+        assert text in page.text
+    assert "stopped at 0.4 of 0.5: interrupted by the user" in page.text
+    assert f"numpy {np.__version__}" in page.text
+
+
+def test_report_says_which_picture_is_missing(tmp_path: Path) -> None:
+    for name, message in (("none.png", r"none\.png' cannot be read"), ("model.step", "unknown kind; accepted are .png")):
+        with pytest.raises(ResultFileError, match=message):
+            write_report(tmp_path / "r.html", "t", [Section("s", figures=[Figure(tmp_path / name)])])
+    with pytest.raises(ResultFileError, match="cannot be written"):
+        write_report(tmp_path / "nowhere" / "r.html", "t")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(True, "yes"), (1234567, "1 234 567"), (-0.5, "−0.5"), (np.float64(2e-9), "2e−09"), ("a-b", "a-b"), (None, "None")],
+)
+def test_cells(value: Any, text: str) -> None:
+    assert cell(value).replace(" ", " ").replace(" ", " ") == text
