@@ -24,7 +24,7 @@ LAYERS = [
     {"integrate"},
     {"system", "motion", "statics", "modal", "linearize"},
     {"__init__", "study", "io", "viz", "verification", "examples", "templates"},  # __init__: the public names
-    {"cli"},
+    {"cli", "__main__"},
 ]
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
 # Upward imports that are meant: made late, inside a method that would otherwise be a function elsewhere.
