@@ -9,14 +9,14 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from scipy import sparse
 
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
+from lamella.solve.pardiso import library
 
 GRIDS = {"7x7 nodes": (7, 7), "belt 41x2 nodes": (2, 41), "13x13 nodes": (13, 13), "25x25 nodes": (25, 25)}
-METHODS: tuple[Method, ...] = ("multifrontal", "band", "superlu")
+METHODS: tuple[Method, ...] = ("multifrontal", "band", "superlu", *(() if library() is None else ("pardiso",)))
 
 
 def plate_like(nx: int, ny: int) -> tuple[Pattern, Floats]:
@@ -27,11 +27,11 @@ def plate_like(nx: int, ny: int) -> tuple[Pattern, Floats]:
     b = rng.standard_normal((len(coords), 48, 48))
     values = b @ b.transpose(0, 2, 1) + np.eye(48)
     rows, cols = np.broadcast_arrays(coords[:, :, None], coords[:, None, :])
-    full = sparse.coo_array((values.ravel(), (rows.ravel(), cols.ravel()))).tocsr()
-    upper = sparse.triu(full).tocsr()
-    upper.sort_indices()
-    pattern = Pattern(12 * nx * ny, upper.indptr, upper.indices, True, 0, np.zeros(1, np.int64), np.zeros(0, np.int64))
-    return pattern, upper.data
+    n, upper = 12 * nx * ny, rows <= cols
+    entries, place = np.unique(rows[upper] * n + cols[upper], return_inverse=True)
+    indptr = np.searchsorted(entries // n, np.arange(n + 1))
+    pattern = Pattern(n, indptr, entries % n, True, 0, np.zeros(1, np.int64), np.zeros(0, np.int64))
+    return pattern, np.bincount(place, weights=values[upper]).astype(np.float64)
 
 
 def best(call: Callable[[], object], seconds: float = 1.0) -> float:

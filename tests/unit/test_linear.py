@@ -7,9 +7,10 @@ import pytest
 from scipy import sparse
 
 from lamella.assembly.pattern import Pattern
-from lamella.errors import SingularSystemError
+from lamella.errors import MissingExtraError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.linear import AutomaticSolver, LinearSolver, Method, linear_solver
+from lamella.solve.pardiso import library
 
 UNITS = np.tile(np.repeat([1.0, 1e-1, 1e-1, 1e-3], 3), 1)  # stiffness of r_xy is tiny beside that of r
 ROUNDING = 1e-9  # relative; condition of the equilibrated test matrices times machine epsilon is below 1e-11
@@ -82,15 +83,17 @@ def indefinite(nx: int, ny: int) -> Floats:
     return k
 
 
-INDEFINITE_METHODS: tuple[Method, ...] = ("auto", "multifrontal", "superlu")
-DEFINITE_METHODS: tuple[Method, ...] = ("auto", "multifrontal", "band", "superlu")
+PARDISO = pytest.param("pardiso", marks=pytest.mark.skipif(library() is None, reason="the package mkl is not installed"))
+GENERAL_METHODS = ("auto", "superlu", PARDISO)
+INDEFINITE_METHODS = ("multifrontal", *GENERAL_METHODS)
+DEFINITE_METHODS = ("band", *INDEFINITE_METHODS)
 
 
 @pytest.mark.parametrize("method", DEFINITE_METHODS)
 @pytest.mark.parametrize("shape", [(2, 2), (4, 6), (7, 7), (12, 2)])
 def test_positive_definite(method: Method, shape: tuple[int, int]) -> None:
     solver = check(plate_like(*shape), None, method)
-    assert solver.negative_pivots in ((0,) if method != "superlu" else (0, None))
+    assert solver.negative_pivots in ((0, None) if method == "superlu" else (0,))
 
 
 @pytest.mark.parametrize("method", DEFINITE_METHODS)
@@ -137,14 +140,14 @@ def test_saddle_with_indefinite_stiffness(method: Method) -> None:
     check(k, constraints(len(k), 7), method)
 
 
-@pytest.mark.parametrize("method", ["auto", "superlu"])
+@pytest.mark.parametrize("method", GENERAL_METHODS)
 def test_saddle_with_singular_stiffness_held_by_constraints(method: Method) -> None:
     k = np.diag([2.0, 0.0, 3.0])
     solver = check(k, np.array([[0.0, 1.0, 1.0]]), method)
     assert solver.negative_pivots in (0, None)
 
 
-@pytest.mark.parametrize("method", ["auto", "superlu"])
+@pytest.mark.parametrize("method", GENERAL_METHODS)
 @pytest.mark.parametrize("m", [0, 5])
 def test_unsymmetric(method: Method, m: int) -> None:
     k = plate_like(3, 4)
@@ -270,3 +273,16 @@ def test_unusable_choices() -> None:
 def test_pattern_refuses_the_lower_triangle() -> None:
     with pytest.raises(ValueError, match="below the diagonal"):
         Pattern(2, np.array([0, 1, 3]), np.array([0, 0, 1]), True, 0, np.array([0]), np.zeros(0, np.int64))
+
+
+def test_auto_takes_large_unsymmetric_and_saddle_matrices() -> None:
+    """Sizes at which PARDISO is used when it is installed."""
+    k = plate_like(5, 6)
+    check(k, constraints(len(k), 120), "auto")
+    check(k * (1 + 0.1 * np.random.default_rng(8).standard_normal(k.shape)), None, "auto", symmetric=False)
+
+
+@pytest.mark.skipif(library() is not None, reason="the package mkl is installed")
+def test_pardiso_without_mkl_says_how_to_install_it() -> None:
+    with pytest.raises(MissingExtraError, match=r"pip install 'lamella\[mkl\]'"):
+        linear_solver(pattern_of(plate_like(2, 2))[0], "pardiso")

@@ -9,21 +9,25 @@ from lamella.roles import Floats
 from lamella.solve.band import BandCholesky
 from lamella.solve.base import LinearSolver
 from lamella.solve.multifrontal import Multifrontal
+from lamella.solve.pardiso import PardisoSolver, library
 from lamella.solve.schur import SchurSolver
 from lamella.solve.superlu import SuperLUSolver
 
-Method = Literal["auto", "multifrontal", "band", "superlu"]
+Method = Literal["auto", "multifrontal", "band", "superlu", "pardiso"]
+
+PARDISO_FROM = 300
+"""Coordinates and multipliers from which PARDISO, when installed, takes the place of SuperLU in ``auto``."""
 
 SUPERLU_COST = 8.0
-"""Time of SuperLU for the saddle-point matrix, in factorisations of K by fronts (measured 5 to 12)."""
+"""Time of a general solver for the saddle-point matrix, in factorisations of K by fronts (SuperLU 5 to 12)."""
 
 
 class AutomaticSolver(LinearSolver):
-    """Symmetric factorisation with pivots on the diagonal where that is accurate, SuperLU where it is not.
+    """Symmetric factorisation with pivots on the diagonal where that is accurate, a general solver where it is not.
 
     A positive definite matrix needs no exchange of rows. A tangent loses definiteness under compression and far from
-    equilibrium; its factorisation is then checked, and given up for SuperLU when it fails. The next factorisation starts with
-    the diagonal again. ``n_general`` counts those that needed SuperLU.
+    equilibrium; its factorisation is then checked, and given up for a general solver when it fails. The next factorisation
+    starts with the diagonal again. ``n_general`` counts those that needed the general solver.
 
     Args:
         symmetric: solver with pivots on the diagonal.
@@ -31,7 +35,7 @@ class AutomaticSolver(LinearSolver):
 
     def __init__(self, symmetric: SchurSolver) -> None:
         self.pattern, self._symmetric = symmetric.pattern, symmetric
-        self._general: SuperLUSolver | None = None
+        self._general: LinearSolver | None = None
         self._active: LinearSolver = symmetric
         self.n_general = 0
 
@@ -41,12 +45,12 @@ class AutomaticSolver(LinearSolver):
         return self._active.negative_pivots
 
     def factorise(self, k: Floats, j: Floats) -> None:
-        """Factorise with pivots on the diagonal, else by SuperLU, which names the coordinate of a singular matrix."""
+        """Factorise with pivots on the diagonal, else by a general solver, which names the coordinate of a singular matrix."""
         self._active = self._symmetric
         if self._symmetric.try_factorise(k, j) < 0:
             return
         if self._general is None:
-            self._general = SuperLUSolver(self.pattern)
+            self._general = general_solver(self.pattern)
         self.n_general += 1
         self._general.factorise(k, j)
         self._active = self._general
@@ -56,27 +60,40 @@ class AutomaticSolver(LinearSolver):
         return self._active.solve(r, s)
 
 
+def general_solver(pattern: Pattern) -> LinearSolver:
+    """The fastest installed solver that takes any regular matrix."""
+    if pattern.n + pattern.n_lam >= PARDISO_FROM and library() is not None:
+        return PardisoSolver(pattern)
+    return SuperLUSolver(pattern)
+
+
 def linear_solver(pattern: Pattern, method: Method = "auto") -> LinearSolver:
     """The solver for a pattern.
 
     Args:
         pattern: sparsity pattern of K and J.
         method: ``multifrontal`` (symmetric, pivots on the diagonal), ``band`` (LAPACK, positive definite only), ``superlu`` (any
-            matrix), or ``auto``: ``multifrontal``, with ``superlu`` for the matrices it cannot factorise; ``superlu`` alone when
-            K is unsymmetric or the multipliers are so many that their Schur complement costs more.
+            matrix), ``pardiso`` (any matrix; needs the extra ``mkl``), or ``auto``: ``multifrontal``, and ``pardiso`` when
+            installed, else ``superlu``, for the matrices it cannot factorise, for unsymmetric ones, and where the multipliers are
+            so many that their Schur complement costs more.
 
     Raises:
         ValueError: an unknown method, or one that cannot take the pattern.
+        MissingExtraError: ``pardiso`` without the package ``mkl``.
     """
     if method not in get_args(Method):
         raise ValueError(f"linear solver '{method}' is not known; choose one of {', '.join(get_args(Method))}")
-    if method == "superlu" or (method == "auto" and not pattern.symmetric):
+    if method == "superlu":
         return SuperLUSolver(pattern)
+    if method == "pardiso":
+        return PardisoSolver(pattern)
+    if method == "auto" and not pattern.symmetric:
+        return general_solver(pattern)
     if not pattern.symmetric:
         raise ValueError(f"linear solver '{method}' takes symmetric matrices only; choose 'superlu' or 'auto'")
     if method == "band":
         return SchurSolver(BandCholesky(pattern))
     factor = Multifrontal(pattern)
     if method == "auto" and 2.0 * pattern.n_lam * factor.size > SUPERLU_COST * factor.cost:
-        return SuperLUSolver(pattern)
+        return general_solver(pattern)
     return AutomaticSolver(SchurSolver(factor)) if method == "auto" else SchurSolver(factor)
