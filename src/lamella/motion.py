@@ -69,7 +69,6 @@ def simulate(
     statistics.seconds_compile = time.perf_counter() - began
     recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
     state = equations.state(point)
-    recorder.sample(point.t, state)
     stepper.restart(point)
     march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
     outcome = march.run(point.t, state)
@@ -104,6 +103,7 @@ class _March:
         self.state, self.t = state, t
         stops = [s for s in self.equations.model.breakpoints if t < s < self.t_end] + [self.t_end]
         try:
+            self.recorder.sample(t, state)
             for stop in stops:
                 failure = self._advance(stop)
                 if failure is not None:

@@ -18,6 +18,7 @@ from lamella.state import State
 if TYPE_CHECKING:
     import xarray
 
+    from lamella.body.sample import PlateSample
     from lamella.model import Model
 
 
@@ -101,7 +102,7 @@ class Recorder:
 
     Args:
         signals: what to sample.
-        axis: ``time`` [s], ``load_factor`` or ``arc_length``.
+        axis: ``time`` [s], ``load_factor``, or ``path`` (number of the point on an equilibrium path).
         frames: number of equally spaced frames kept over the whole solution.
         sinks: receive every sample and frame at once.
     """
@@ -116,6 +117,7 @@ class Recorder:
     values: list[list[Floats]] = field(default_factory=list)
     frame_at: list[float] = field(default_factory=list)
     frame_q: list[Floats] = field(default_factory=list)
+    frame_v: list[Floats] = field(default_factory=list)
 
     def sample(self, at: float, state: State) -> None:
         """Record ``state`` at axis value ``at``."""
@@ -129,6 +131,7 @@ class Recorder:
         if not self.frame_at or (self.axis != "time") or at >= due - 1e-9 * abs(spacing):
             self.frame_at.append(at)
             self.frame_q.append(state.q.copy())
+            self.frame_v.append(state.v.copy())
             for sink in self.sinks:
                 sink.frame(at, state)
 
@@ -158,8 +161,8 @@ class Result:
         self.at = np.asarray(recorder.at)
         self.signals = {signal.name: signal for signal in recorder.signals}
         self.frame_at = np.asarray(recorder.frame_at)
-        self.frame_q = np.asarray(recorder.frame_q)
-        columns = zip(*recorder.values, strict=True)
+        self.frame_q, self.frame_v = np.asarray(recorder.frame_q), np.asarray(recorder.frame_v)
+        columns = list(zip(*recorder.values, strict=True)) or [()] * len(self.signals)
         self._values = {name: np.asarray(column) for name, column in zip(self.signals, columns, strict=True)}
 
     def __contains__(self, name: str) -> bool:
@@ -186,6 +189,19 @@ class Result:
         array = xarray.DataArray(values, dims=dims, coords=coords, name=name, attrs=attributes)
         array[self.axis].attrs["units"] = "s" if self.axis == "time" else "1"
         return array
+
+    def plate(self, name: str, frame: int | None = None, per_element: int = 4) -> PlateSample:
+        """Positions, normals, strains and stresses of a plate on a grid of points.
+
+        Args:
+            name: the plate's name.
+            frame: number of a kept frame; the last state when left out.
+            per_element: grid intervals along each side of an element.
+        """
+        meshes = {mesh.name: mesh for mesh in self.model.plates}
+        if name not in meshes:
+            raise DeclarationError("result", f"no plate '{name}'", f"accepted is {', '.join(meshes)}")
+        return meshes[name].sample(self.final.q if frame is None else self.frame_q[frame], per_element)
 
     def save(self, path: str | Path) -> Path:
         """Write everything to one HDF5 file; an existing file is replaced only when the new one is whole."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
+from lamella.dofs import Signal
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.model import Model
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
@@ -145,10 +146,11 @@ class _Run:
         self.axis = "load_factor" if single else "path"
 
     def open(self, until: float, sinks: Sequence[Sink]) -> None:
-        """Start recording with the unloaded state."""
-        self.recorder = Recorder(system_signals(self.equations), self.axis, 0.0, until, sinks=sinks)
+        """Prepare to record, from the unloaded state on."""
+        factor = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
+        self.recorder = Recorder([factor, *system_signals(self.equations)], self.axis, 0.0, until, sinks=sinks)
+        self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began
-        self.record(self.point)
 
     def record(self, point: Point) -> None:
         """Sample an equilibrium."""
@@ -160,6 +162,7 @@ class _Run:
     def guarded(self, solve: Callable[[], Outcome], until: float) -> Outcome:
         """Run a solution; an interruption ends it with what was recorded."""
         try:
+            self.record(self.point)
             return solve()
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.point.factor, until)

@@ -2,34 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from lamella.body.sample import PlateSample
 from lamella.dofs import PointRows
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.recovery import ShellRecovery
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
-
-
-@dataclass(frozen=True)
-class PlateSample:
-    """A structured grid of points on a plate in one configuration.
-
-    Args:
-        x: first parameter [m], shape (mx,).
-        y: second parameter [m], shape (my,).
-        r: positions [m], shape (my, mx, 3).
-        n: unit normals, shape (my, mx, 3).
-        strains: membrane strains and curvatures (eps, kap) in the local orthonormal frame [-, 1/m], shape (my, mx, 6).
-    """
-
-    x: Floats
-    y: Floats
-    r: Floats
-    n: Floats
-    strains: Floats
 
 
 class PlateMesh:
@@ -124,5 +104,10 @@ class PlateMesh:
         found = ShellRecovery(self.element, self.coords, self.scale, self.reference).at(q, index, points_xi, points_eta)
         shape = (len(eta), len(xi), -1)
         return PlateSample(
-            xi * self.lx, eta * self.ly, found.r.reshape(shape), found.n.reshape(shape), found.strains.reshape(shape)
+            self.laminate,
+            xi * self.lx,
+            eta * self.ly,
+            found.r.reshape(shape),
+            found.n.reshape(shape),
+            found.strains.reshape(shape),
         )
