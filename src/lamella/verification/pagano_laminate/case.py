@@ -86,7 +86,10 @@ def loaded(width: float, n: int = 16) -> Result:
 
 
 def normalised(result: Result) -> tuple[float, float, float]:
-    """w = 100 E_T h^3 w / (q0 a^4) and sigma = sigma h^2 / (q0 a^2) at the centre: x on top of the plate, y on top of the middle ply."""
+    """w = 100 E_T h^3 w / (q0 a^4) and sigma = sigma h^2 / (q0 a^2) at the centre.
+
+    sigma_x is taken on top of the plate, sigma_y on top of the middle ply.
+    """
     sample = result.model.plates[0].sample(result.final.q)
     strains = sample.strains[len(sample.y) // 2, len(sample.x) // 2]
     scale = THICKNESS**2 / (PRESSURE * SIDE**2)
