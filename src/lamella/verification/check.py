@@ -40,9 +40,13 @@ class Check:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind):
-            raise DeclarationError(f"Check '{self.quantity}'", f"kind = {self.kind!r}", f"accepted is {', '.join(get_args(Kind))}")
+            raise DeclarationError(
+                f"Check '{self.quantity}'", f"kind = {self.kind!r}", f"accepted is {', '.join(get_args(Kind))}"
+            )
         if not (math.isfinite(self.tolerance) and self.tolerance >= 0):
-            raise DeclarationError(f"Check '{self.quantity}'", f"tolerance = {self.tolerance}", "accepted is a finite number of at least 0")
+            raise DeclarationError(
+                f"Check '{self.quantity}'", f"tolerance = {self.tolerance}", "accepted is a finite number of at least 0"
+            )
         if self.kind == "relative" and self.reference == 0:
             raise DeclarationError(
                 f"Check '{self.quantity}'", "a relative error needs a reference that is not zero", "accepted is kind='absolute'"
@@ -88,7 +92,9 @@ class References:
             missing, unknown = {"value", "tolerance", "reason"} - set(entry), set(entry) - KEYS
             if missing or unknown:
                 problem = f"missing {sorted(missing)}" if missing else f"unknown {sorted(unknown)}"
-                raise DeclarationError(f"{path.parent.name}/reference.toml, '{name}'", problem, f"accepted are {', '.join(sorted(KEYS))}")
+                raise DeclarationError(
+                    f"{path.parent.name}/reference.toml, '{name}'", problem, f"accepted are {', '.join(sorted(KEYS))}"
+                )
         return cls(path, content.get("title", path.parent.name), content.get("source", ""), quantities)
 
     def value(self, quantity: str) -> Any:

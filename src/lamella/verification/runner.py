@@ -104,9 +104,8 @@ def run_case(case: Case) -> Outcome:
     start, checks = time.perf_counter(), []
     failure = ""
     try:
-        for check in case.module().run():
-            checks.append(check)
-    except Exception as error:  # one broken case must not hide the others
+        checks.extend(case.module().run())  # keeps what a generator yields before it fails
+    except Exception as error:  # noqa: BLE001  # one broken case must not hide the others
         place = traceback.extract_tb(error.__traceback__)[-1]
         failure = f"stopped by {type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
     return Outcome(case, tuple(checks), time.perf_counter() - start, failure)

@@ -1,0 +1,77 @@
+"""Commands that list or write files of the package: templates, examples, schema."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from lamella.errors import ResultFileError
+from lamella.examples import example, examples
+from lamella.templates import template, templates
+
+SCHEMA_LINE = "# yaml-language-server: $schema="
+SCHEMA_NAME = "lamella.schema.json"
+
+
+def list_templates() -> None:
+    """Print the templates."""
+    _print_table("Templates: lamella new NAME --template TEMPLATE", templates())
+
+
+def list_examples() -> None:
+    """Print the examples."""
+    found = {name: item.title + (" (study)" if item.is_study else "") for name, item in examples().items()}
+    _print_table("Examples: lamella run NAME, or lamella examples copy NAME", found)
+
+
+def write_template(name: str, template_name: str) -> None:
+    """Write a template as ``name.yaml`` with the schema for editors beside it.
+
+    Raises:
+        ResultFileError: the file exists or cannot be written.
+    """
+    path = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
+    text = template(template_name)
+    if path.exists():
+        raise ResultFileError(f"'{path}' exists already; choose another name")
+    _write(path, f"{SCHEMA_LINE}{SCHEMA_NAME}\n{text}")
+    schema = path.with_name(SCHEMA_NAME)
+    if not schema.exists():
+        _write(schema, _schema_text())
+    print(f"wrote {path} ('lamella run {path}' runs it) and {schema} (completion and checks in editors)")
+
+
+def copy_example(name: str, folder: Path | None) -> None:
+    """Copy an example's files into a new folder."""
+    chosen = example(name)
+    for path in chosen.copy(folder or Path(chosen.name)):
+        print(f"wrote {path}")
+
+
+def write_schema(out: Path | None) -> None:
+    """Print the model file's JSON Schema, or write it to ``out``."""
+    if out is None:
+        print(_schema_text(), end="")
+    else:
+        _write(out, _schema_text())
+        print(f"wrote {out}")
+
+
+def _schema_text() -> str:
+    from lamella.io.schema import json_schema
+
+    return json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+
+
+def _print_table(title: str, rows: dict[str, str]) -> None:
+    width = max((len(name) for name in rows), default=0)
+    print(title)
+    for name, text in rows.items():
+        print(f"  {name:<{width}}  {text}")

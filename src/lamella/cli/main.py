@@ -1,0 +1,207 @@
+"""The command line ``lamella``. Everything heavy is imported inside the commands, so that help answers at once."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from lamella.errors import LamellaError
+
+ERROR, INTERRUPTED = 2, 130
+
+app = typer.Typer(
+    name="lamella",
+    help="Flexible multibody dynamics of thin plates and shells, from a model file to results and pictures.",
+    no_args_is_help=True,
+    add_completion=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+example_app = typer.Typer(help="List the examples, or copy one to change it.", no_args_is_help=True)
+app.add_typer(example_app, name="examples")
+
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Replace a value of the model file, e.g. system.plate.mesh=[8,8]. May be repeated."
+    ),
+]
+OutFolder = Annotated[Path | None, typer.Option("--out", "-o", help="Folder of the results; results/NAME when left out.")]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from lamella.io.provenance import versions
+
+        print(f"lamella {versions()['lamella']}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and leave.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Flexible multibody dynamics of thin plates and shells, from a model file to results and pictures."""
+
+
+@app.command("run")
+def run_model(
+    model: Annotated[str, typer.Argument(help="A model file, or the name of an example.", metavar="FILE|EXAMPLE")],
+    out: OutFolder = None,
+    settings: Settings = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
+    no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Write data only: no plots, pictures or report.")] = False,
+) -> None:
+    """Compute what a model file asks for and write results, pictures and a report page."""
+    from lamella.cli.run import run_command
+
+    raise typer.Exit(run_command(model, out, settings or [], overwrite=overwrite, quiet=quiet, pictures=not no_pictures))
+
+
+@app.command()
+def new(
+    name: Annotated[str | None, typer.Argument(help="The file to write; .yaml is added.")] = None,
+    template: Annotated[str, typer.Option("--template", "-t", help="Which template.")] = "cantilever",
+    list_all: Annotated[bool, typer.Option("--list", help="List the templates.")] = False,
+) -> None:
+    """Write a model file to start from."""
+    from lamella.cli.files import list_templates, write_template
+
+    if list_all:
+        list_templates()
+    elif name is None:
+        raise typer.BadParameter("a name is needed, for example 'lamella new wing', or --list")
+    else:
+        write_template(name, template)
+
+
+@example_app.command("list")
+def examples_list() -> None:
+    """List the examples."""
+    from lamella.cli.files import list_examples
+
+    list_examples()
+
+
+@example_app.command("copy")
+def examples_copy(
+    name: Annotated[str, typer.Argument(help="Name of the example.")],
+    folder: Annotated[Path | None, typer.Argument(help="Where to; a folder of the example's name when left out.")] = None,
+) -> None:
+    """Copy an example's files."""
+    from lamella.cli.files import copy_example
+
+    copy_example(name, folder)
+
+
+@app.command()
+def info(path: Annotated[Path, typer.Argument(help="A result file, a folder of results, or a model file.")]) -> None:
+    """Show what is in a result or a model file."""
+    from lamella.cli.info import info_command
+
+    info_command(path)
+
+
+@app.command()
+def verify(
+    cases: Annotated[list[str] | None, typer.Argument(help="Names of cases; all when left out.", metavar="[CASE]...")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a list of objects instead of a table.")] = False,
+    list_all: Annotated[bool, typer.Option("--list", help="List the cases; nothing is run.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="Leave out the slow cases.")] = False,
+    report: Annotated[Path | None, typer.Option("--report", help="Also write the table as an HTML page.")] = None,
+) -> None:
+    """Run the cases with a known answer; exit with 1 when one fails."""
+    from lamella.cli.verify import list_cases, verify_command
+
+    if list_all:
+        list_cases(cases or [], as_json)
+    else:
+        raise typer.Exit(verify_command(cases or [], as_json=as_json, fast=fast, report=report))
+
+
+@app.command()
+def plot(
+    result: Annotated[Path, typer.Argument(help="A result file, or a folder with run.h5.")],
+    signals: Annotated[
+        list[str] | None, typer.Argument(help="Signals such as tip.position; all when left out.", metavar="[SIGNAL]...")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture to write (.png, .svg or .pdf).")] = None,
+) -> None:
+    """Plot recorded signals."""
+    from lamella.cli.export import plot_command
+
+    plot_command(result, signals or [], out)
+
+
+@app.command()
+def export(
+    result: Annotated[Path, typer.Argument(help="A result file, or a folder with run.h5.")],
+    to: Annotated[
+        str, typer.Option("--to", help="vtkhdf (ParaView), csv (signals), png, gif (animation), html (report) or yaml (model).")
+    ],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The file to write; beside the result when left out.")] = None,
+) -> None:
+    """Write a result in another form."""
+    from lamella.cli.export import export_command
+
+    export_command(result, to, out)
+
+
+@app.command()
+def doctor() -> None:
+    """Check the installation; exit with 1 and advice when something is wrong."""
+    from lamella.cli.doctor import doctor_command
+
+    raise typer.Exit(doctor_command())
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Argument(help="The file to write; printed when left out.")] = None,
+) -> None:
+    """Write the JSON Schema of the model file, for completion and checking in editors."""
+    from lamella.cli.files import write_schema
+
+    write_schema(out)
+
+
+def run_app(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit code; errors raised on purpose become one message.
+
+    Args:
+        arguments: words after ``lamella``; those of the process when left out.
+    """
+    try:
+        code = app(arguments, standalone_mode=False)
+    except typer.Exit as leave:
+        return leave.exit_code
+    except typer.Abort:
+        return _interrupted()
+    except LamellaError as error:
+        print(f"lamella: {error}", file=sys.stderr)
+        return ERROR
+    except KeyboardInterrupt as error:
+        return _interrupted(str(error))
+    except Exception as error:
+        show = getattr(error, "show", None)  # a wrong option or argument explains itself
+        if show is None:
+            raise
+        show()
+        return ERROR
+    return code if isinstance(code, int) else 0
+
+
+def _interrupted(text: str = "") -> int:
+    print(f"lamella: interrupted{f': {text}' if text else ''}", file=sys.stderr)
+    return INTERRUPTED
+
+
+def run() -> None:
+    """Entry point of the command ``lamella``."""
+    sys.exit(run_app())

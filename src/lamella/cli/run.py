@@ -1,0 +1,95 @@
+"""The command ``lamella run``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from lamella.errors import ModelFileError
+from lamella.examples import Example, example, examples
+from lamella.io.analysis import mode_table
+from lamella.io.model_file import read_model
+from lamella.modal import Modes
+from lamella.study.findings import Finding
+from lamella.study.folder import open_folder
+from lamella.study.run import Finished, run_model
+from lamella.study.study import Study, run_study
+
+
+def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: bool, quiet: bool, pictures: bool) -> int:
+    """Run a model file or an example and print a summary."""
+    chosen = _find(name)
+    path = chosen.model if isinstance(chosen, Example) else chosen
+    model = read_model(path, settings)  # all errors of the file come before anything is written
+    folder = open_folder(out or Path("results") / (chosen.name if isinstance(chosen, Example) else chosen.stem), overwrite)
+    progress = not quiet
+    say = _ignore if quiet else _say
+    if not (isinstance(chosen, Example) and chosen.is_study):
+        finished = run_model(model, folder, pictures=pictures, progress=progress, say=say)
+        if not quiet:
+            _summary({"": finished}, [], folder)
+        return 0
+    study = Study(path, folder, settings, draw=pictures, progress=progress, say=say)
+    findings = run_study(chosen.study(), study)
+    if not quiet:
+        _summary(study.finished, study.files, folder)
+        _show_findings(findings)
+    return 0
+
+
+def _find(name: str) -> Path | Example:
+    """The model file or example called ``name``; a file comes first."""
+    path = Path(name)
+    if path.exists():
+        return path
+    if name.replace("_", "-") in examples():
+        return example(name)
+    if path.suffix or len(path.parts) > 1:
+        raise ModelFileError(f"the model file '{name}' does not exist; 'lamella new {path.stem}' writes one to start from")
+    known = ", ".join(examples()) or "none"
+    raise ModelFileError(f"'{name}' is neither a model file nor an example; examples are: {known}")
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _ignore(text: str) -> None:
+    """Print nothing."""
+
+
+def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -> None:
+    table = Table("analysis", "ended", "steps", "Newton iterations", "seconds", header_style="bold")
+    for variant, finished in runs.items():
+        for item in finished:
+            label = f"{variant} {item.analysis.name}".strip()
+            if isinstance(item.computed, Modes):
+                table.add_row(label, f"{len(mode_table(item.computed))} modes", "", "", "")
+                continue
+            counts = item.computed.statistics
+            table.add_row(
+                label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"
+            )
+    console = Console(highlight=False, soft_wrap=True)
+    console.print(table)
+    console.print(f"written to {folder}:")
+    for path in sorted({path for finished in runs.values() for item in finished for path in item.files} | set(files)):
+        if path.is_file():
+            console.print(f"  {path.relative_to(folder)}  ({_size(path.stat().st_size)})")
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"
+
+
+def _show_findings(findings: list[Finding]) -> None:
+    console = Console(highlight=False, soft_wrap=True)
+    for finding in findings:
+        console.print(f"{'agrees   ' if finding.agrees else 'DISAGREES'} {finding.finding}", markup=False)
+        for name, value in finding.numbers.items():
+            console.print(
+                f"            {name}: {value:.6g}" if isinstance(value, float) else f"            {name}: {value}", markup=False
+            )

@@ -1,0 +1,212 @@
+"""Read declarations from plain data, collecting every problem with its place."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
+
+from lamella.declaration import LIMITS
+from lamella.errors import DeclarationError, LamellaError
+from lamella.io.annotation import Options, field_specs, fixed_length, options, same_shape, tag_of
+from lamella.io.document import Document, Place, shown
+
+
+class Failed:
+    """Stands for a value that could not be read; its problem is already in the document."""
+
+
+FAILED: Final = Failed()
+Lookup = Callable[[Options, str, Place], Any]
+"""Finds what a text refers to; gives None when it refers to nothing of that kind."""
+
+
+class Reader:
+    """Turn plain data into declarations; problems go to the document, failed values come back as :data:`FAILED`.
+
+    Args:
+        document: where the data is from.
+        lookup: resolves references.
+    """
+
+    def __init__(self, document: Document, lookup: Lookup) -> None:
+        self.document, self.lookup = document, lookup
+
+    def value(self, annotation: Any, data: Any, place: Place) -> Any:
+        """Read ``data`` as ``annotation`` says."""
+        allowed = options(annotation)
+        if not allowed.structured or data is None:
+            return self._plain(annotation, data, place)
+        if isinstance(data, str) and (allowed.places or allowed.bodies or allowed.classes):
+            found = self.lookup(allowed, data, place)
+            if found is not None:
+                return found
+        if isinstance(data, dict) and allowed.classes:
+            return self.declared(allowed.classes, data, place)
+        if isinstance(data, dict) and allowed.values is not None:
+            read = {key: self.value(allowed.values, item, (*place, key)) for key, item in data.items()}
+            return FAILED if FAILED in read.values() else read
+        if isinstance(data, list) and allowed.items:
+            return self._sequence(allowed, data, place)
+        if isinstance(data, (dict, list)) and not allowed.plain:
+            return self._fail(place, f"found {shown(data)}; accepted is {accepted(allowed)}")
+        if not (allowed.classes or allowed.plain):
+            return self._fail(place, f"found {shown(data)}; accepted is {accepted(allowed)}")
+        return self._plain(annotation, data, place, accepted(allowed))
+
+    def declared(self, classes: tuple[type, ...], data: Any, place: Place, extra: dict[str, Any] | None = None) -> Any:
+        """Read a mapping as the one of ``classes`` its tag says; ``extra`` are fields given elsewhere, such as the name."""
+        if not isinstance(data, dict):
+            return self._fail(place, f"found {shown(data)}; accepted is a mapping with 'key: value' entries")
+        cls = self._chosen(classes, data, place)
+        if cls is None:
+            return FAILED
+        extra, specs = extra or {}, field_specs(cls)
+        key, tag = tag_of(cls)
+        given = {name: item for name, item in data.items() if name != key}
+        known = [name for name in specs if name not in extra and name != key]
+        read: dict[str, Any] = {}
+        meant: set[str | None] = set()
+        for name, item in given.items():
+            if name in known:
+                read[name] = self.value(specs[name].annotation, item, (*place, name))
+            elif name in extra:
+                self._fail((*place, name), f"the name is the key '{extra[name]}' and is not repeated")
+            else:
+                meant.add(closest(name, known))
+                self._fail((*place, name), f"{tag} has no key '{name}'{suggestion(name, known)}")
+        missing = [name for name in known if specs[name].required and name not in read]
+        if set(missing) - meant:
+            self._fail(place, f"{tag} needs {' and '.join(repr(name) for name in missing if name not in meant)}")
+        if missing or FAILED in read.values() or len(read) < len(given):
+            return FAILED
+        return self._made(cls, {**extra, **read}, data, place)
+
+    def _chosen(self, classes: tuple[type, ...], data: dict[str, Any], place: Place) -> type | None:
+        tags = {tag_of(cls)[1]: cls for cls in classes}
+        keys = {tag_of(cls)[0] for cls in classes}
+        for key in keys & set(data):
+            said = data[key]
+            if said in tags and tag_of(tags[said])[0] == key:
+                return tags[said]
+            self._fail((*place, key), f"there is no {key} {shown(said)}{suggestion(str(said), tags)}")
+            return None
+        if len(classes) == 1:
+            return classes[0]
+        alike = {cls: len(set(data) & set(field_specs(cls))) - len(set(data) - set(field_specs(cls))) for cls in classes}
+        best = max(alike, key=lambda cls: alike[cls])
+        if alike[best] > 0 and len(classes) <= 3:  # a lamina or an isotropic material is told by its keys
+            return best
+        self._fail(place, f"'{min(keys)}' is missing; accepted are {', '.join(sorted(tags))}")
+        return None
+
+    def _made(self, cls: type, fields: dict[str, Any], data: dict[str, Any], place: Place) -> Any:
+        try:
+            return cls(**fields)
+        except DeclarationError as error:
+            problem = error.problem.removeprefix(error.item + ": ")
+            return self._fail(_nearest(problem, data, place), problem + (f"; {error.accepted}" if error.accepted else ""))
+        except LamellaError as error:
+            return self._fail(place, str(error))
+
+    def _sequence(self, allowed: Options, data: list[Any], place: Place) -> Any:
+        annotations = allowed.items * len(data) if allowed.repeated else allowed.items
+        if len(annotations) != len(data):
+            return self._fail(place, f"has {len(data)} items; accepted are {len(annotations)}")
+        read = tuple(self.value(annotations[i], item, (*place, i)) for i, item in enumerate(data))
+        return FAILED if FAILED in read else read
+
+    def _plain(self, annotation: Any, data: Any, place: Place, wanted: str = "") -> Any:
+        narrowed = annotation if wanted else same_shape(options(annotation).plain, data)
+        length = fixed_length(narrowed)
+        if length is not None and isinstance(data, list) and len(data) != length:
+            return self._fail(place, f"the list has {len(data)} items; accepted are {length}")
+        try:
+            return TypeAdapter(narrowed).validate_python(data)
+        except ValidationError as error:
+            for details in error.errors():
+                inner = _inside(details["loc"], data)
+                self._fail((*place, *inner), explained(details, wanted))
+        except LamellaError as error:
+            self._fail(place, str(error))
+        return FAILED
+
+    def _fail(self, place: Place, text: str) -> Any:
+        self.document.problem(place, text)
+        return FAILED
+
+
+def accepted(allowed: Options) -> str:
+    """What a value may be, in words."""
+    words = []
+    if allowed.places:
+        edge, marker = (any(cls.__name__ == name for cls in allowed.places) for name in ("Edge", "Marker"))
+        words += ["an edge such as plate.x-"] * edge + ["a marker such as plate.tip"] * marker
+    if allowed.bodies:
+        words.append("the name of a body")
+    if allowed.classes:
+        names = ", ".join(sorted(tag_of(cls)[1] for cls in allowed.classes))
+        if any(tag_of(cls)[0] == "kind" for cls in allowed.classes):
+            words.append("a number")
+        words.append(f"a mapping ({names})")
+    if allowed.items:
+        words.append("a list")
+    return " or ".join(words)
+
+
+def closest(word: str, known: Iterable[str]) -> str | None:
+    """The known name a mistyped word resembles, if any."""
+    names = {name.lower(): name for name in known}
+    near = difflib.get_close_matches(word.lower(), names, 1, 0.6)
+    return names[near[0]] if near else None
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """The rest of a sentence about an unknown word: what was perhaps meant, and what there is."""
+    names = list(known)
+    if not names:
+        return "; there is none to choose from"
+    meant = closest(word, names)
+    return (f"; did you mean '{meant}'?" if meant else ";") + f" accepted are {', '.join(names)}"
+
+
+def explained(details: ErrorDetails, wanted: str = "") -> str:
+    """One pydantic error as a sentence: the value, and what is accepted."""
+    context, kind, value = details.get("ctx", {}), details["type"], details["input"]
+    if kind in LIMITS:
+        key, words = LIMITS[kind]
+        return f"found {shown(value)}; accepted is a value {words} {context[key]:g}"
+    if kind == "literal_error":
+        choices = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
+        return f"found {shown(value)}{suggestion(str(value), choices)}"
+    cause = context.get("error")
+    message = str(cause) if isinstance(cause, LamellaError) else details["msg"].removeprefix("Value error, ")
+    if shown(value) in message or "accepted" in message:
+        return message
+    return f"found {shown(value)}; " + (f"accepted is {wanted}" if wanted else message[0].lower() + message[1:])
+
+
+def _inside(location: tuple[int | str, ...], data: Any) -> Place:
+    """The part of a pydantic location that exists in the data (the rest names members of unions)."""
+    found: list[int | str] = []
+    here = data
+    for key in location:
+        if (isinstance(here, dict) and key in here) or (isinstance(here, list) and isinstance(key, int) and key < len(here)):
+            found.append(key)
+            here = here[key]  # type: ignore[index]  # the key fits the container
+    return tuple(found)
+
+
+def _nearest(problem: str, data: dict[str, Any], place: Place) -> Place:
+    """The key a problem of a whole declaration speaks of, or the declaration itself."""
+    for word in re.findall(r"[\w+-]+", problem):
+        if word in data:
+            return (*place, word)
+        for key, inner in data.items():
+            if isinstance(inner, dict) and word in inner:
+                return (*place, key, word)
+    return place

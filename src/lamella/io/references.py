@@ -1,0 +1,143 @@
+"""Names in a model file: what ``plate.tip``, ``plate.x-`` or ``cfrp`` refers to, and the order in which items are made."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from lamella.body.base import Body, Marker
+from lamella.body.ground import Ground
+from lamella.body.plate import Edge, Plate
+from lamella.io.annotation import Options, field_specs, tag_of
+from lamella.io.document import Document, Place, shown
+from lamella.io.reader import FAILED, Reader, suggestion
+from lamella.io.sections import DEFINITIONS, SECTIONS
+
+EDGES = ("x-", "x+", "y-", "y+")
+CORNERS = ("x-y-", "x+y-", "x+y+", "x-y+")
+NAME = re.compile(r"[^\W\d][\w-]*")
+BUSY = object()
+
+
+class Items:
+    """The named items of a document, each read when it is first needed.
+
+    Args:
+        document: the parsed model file.
+    """
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.reader = Reader(document, self.lookup)
+        self._made: dict[Place, Any] = {}
+
+    def section(self, name: str) -> dict[str, Any]:
+        """All items of a section in the order of the file; failed ones are left out."""
+        content = self.document.data.get(name)
+        if content is None:
+            return {}
+        if not isinstance(content, dict):
+            self.document.problem((name,), f"found {shown(content)}; accepted are 'name: {{...}}' entries")
+            return {}
+        items = {key: self.item(name, key) for key in content}
+        return {key: item for key, item in items.items() if item is not FAILED}
+
+    def item(self, section: str, name: str) -> Any:
+        """The item ``name`` of a section, or FAILED."""
+        place = (section, name)
+        found = self._made.get(place)
+        if found is BUSY:
+            self.document.problem(place, f"'{name}' refers to itself")
+            return FAILED
+        if found is None:
+            self._made[place] = BUSY
+            found = self._made[place] = self._read(place)
+        return found
+
+    def _read(self, place: Place) -> Any:
+        section, name = str(place[0]), str(place[1])
+        data, classes = self.document.data[section][name], SECTIONS[section].classes()
+        if not NAME.fullmatch(name):
+            self.document.problem(
+                place, f"the name '{name}' is not accepted; accepted are letters, digits, _ and -, beginning with a letter"
+            )
+            return FAILED
+        has_name = all("name" in field_specs(cls) for cls in classes)
+        return self.reader.declared(classes, data, place, {"name": name} if has_name else {})
+
+    def lookup(self, allowed: Options, text: str, place: Place) -> Any:
+        """What ``text`` refers to; FAILED after a problem, None when it is no reference at all."""
+        if allowed.places:
+            return self._place(allowed, text, place)
+        if allowed.bodies:
+            return self._body(text, place)
+        return self._definition(allowed, text, place)
+
+    def _definition(self, allowed: Options, text: str, place: Place) -> Any:
+        known = []
+        for section in DEFINITIONS:
+            content = self.document.data.get(section)
+            names = list(content) if isinstance(content, dict) else []
+            if any(cls in SECTIONS[section].classes() for cls in allowed.classes):
+                if text in names:
+                    return self.item(section, text)
+                known += names
+        if NAME.fullmatch(text):
+            self.document.problem(place, f"nothing is defined under the name '{text}'{suggestion(text, known)}")
+            return FAILED
+        return None
+
+    def _body(self, name: str, place: Place) -> Any:
+        content = self.document.data.get("system")
+        if isinstance(content, dict) and name in content:
+            body = self.item("system", name)
+            if body is FAILED or isinstance(body, Body):
+                return body
+        self.document.problem(place, f"there is no body '{name}'{suggestion(name, self._body_names())}")
+        return FAILED
+
+    def _body_names(self) -> list[str]:
+        tags = {tag_of(cls)[1] for cls in SECTIONS["system"].classes() if issubclass(cls, Body)}
+        content = self.document.data.get("system")
+        items = content.items() if isinstance(content, dict) else ()
+        return [name for name, item in items if isinstance(item, dict) and item.get("type") in tags]
+
+    def _place(self, allowed: Options, text: str, place: Place) -> Any:
+        body_name, dot, name = text.partition(".")
+        if not dot:
+            self.document.problem(place, f"found '{text}'; accepted is {body_name}.marker or an edge such as {body_name}.x-")
+            return FAILED
+        body = self._body(body_name, place)
+        if body is FAILED:
+            return FAILED
+        found = place_of(body, name)
+        if isinstance(found, allowed.places):
+            return found
+        if found is not None:
+            wanted = "an edge" if Edge in allowed.places else "a marker"
+            self.document.problem(
+                place, f"'{text}' is {'a marker' if isinstance(found, Marker) else 'an edge'}; accepted is {wanted}"
+            )
+            return FAILED
+        points = (*markers_of(body), *(CORNERS if isinstance(body, Plate) else ())) if Marker in allowed.places else ()
+        edges = EDGES if isinstance(body, Plate) and Edge in allowed.places else ()
+        known = [*points, *edges]
+        self.document.problem(place, f"'{body_name}' has no marker or edge '{name}'{suggestion(name, known)}")
+        return FAILED
+
+
+def markers_of(body: Body) -> dict[str, tuple[float, ...]]:
+    """Named points of a body."""
+    return dict(body.markers or {}) if isinstance(body, (Plate, Ground)) else {}
+
+
+def place_of(body: Body, name: str) -> Marker | Edge | None:
+    """The marker, corner or edge called ``name`` of a body; None when there is none."""
+    markers = markers_of(body)
+    if name in markers:
+        return Marker(body, name, markers[name])
+    if isinstance(body, Plate) and name in EDGES:
+        return body.edge(name)  # type: ignore[arg-type]  # one of the four
+    if isinstance(body, Plate) and name in CORNERS:
+        return body.corner(name)
+    return None

@@ -1,0 +1,70 @@
+"""The sections of a model file and what each may hold."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from lamella.io.analysis import Analysis, Output
+from lamella.io.annotation import concrete
+from lamella.material.isotropic import Isotropic
+from lamella.material.lamina import Lamina
+from lamella.material.laminate import Laminate
+from lamella.math.time_function import TimeFunction
+from lamella.roles import Declaration
+
+FORMAT = 1
+"""Version of the model file's form."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A top-level key.
+
+    Args:
+        meaning: a sentence for the schema.
+        bases: what its items are: declarations of these classes or their subclasses.
+        named: True when it holds ``name: item`` entries, False when it is itself one item.
+        required: True when a file must have it.
+        plain: JSON Schema of a section that is a plain value.
+    """
+
+    meaning: str
+    bases: tuple[type, ...] = ()
+    named: bool = True
+    required: bool = False
+    plain: dict[str, Any] | None = None
+
+    def classes(self) -> tuple[type, ...]:
+        """The declarations accepted."""
+        _import_catalogue()
+        return tuple(cls for base in self.bases for cls in concrete(base))
+
+
+SECTIONS = {
+    "lamella": Section("Version of the model file's form.", plain={"const": FORMAT}, required=True),
+    "title": Section("A line for the heads of reports.", plain={"type": "string"}),
+    "description": Section("What the model is about.", plain={"type": "string"}),
+    "materials": Section("Materials, to be referred to by name.", (Lamina, Isotropic)),
+    "laminates": Section("Sections of plates, to be referred to by name.", (Laminate,)),
+    "profiles": Section("Functions of time, to be referred to by name.", (TimeFunction,)),
+    "system": Section("Bodies, joints and loads by name.", (Declaration,), required=True),
+    "analysis": Section("What is computed, by name and in this order.", (Analysis,)),
+    "output": Section("What is written besides the result file.", (Output,), named=False),
+}
+"""All top-level keys in the order they are written."""
+
+DEFINITIONS = ("materials", "laminates", "profiles")
+"""Sections whose items are referred to by name."""
+
+
+@cache
+def _import_catalogue() -> None:
+    """Import every module of the folders that hold declarations, so that their classes are known."""
+    for folder in ("body", "joint", "load", "integrate"):
+        package = importlib.import_module(f"lamella.{folder}")
+        for module in pkgutil.iter_modules(package.__path__, package.__name__ + "."):
+            importlib.import_module(module.name)

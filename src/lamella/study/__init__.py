@@ -1,0 +1,1 @@
+"""Run what a model file asks for, and compare variants of a model."""

@@ -1,0 +1,74 @@
+"""The folder of a run's results: made, checked and cleared before anything is computed."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from lamella.errors import ResultFileError
+
+RESULT = "run.h5"
+MODEL = "model.yaml"
+PICTURES = "pictures"
+WRITTEN = (RESULT, MODEL, "signals.csv", "modes.csv", "surface.vtkhdf", "animation.*", "report.html", "findings.json", PICTURES)
+"""Everything a run may leave in its folder."""
+
+
+def open_folder(folder: Path, overwrite: bool) -> Path:
+    """Make the folder of a run, or clear what an earlier run left in it.
+
+    Args:
+        folder: where to write.
+        overwrite: replace the results of an earlier run; other files stay.
+
+    Raises:
+        ResultFileError: it holds results and ``overwrite`` is False, it is a file, or it cannot be written to.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise ResultFileError(f"'{folder}' is a file; accepted is a folder for the results (--out)")
+    if not overwrite and holds_results(folder):
+        raise ResultFileError(f"'{folder}' holds results already; give --overwrite to replace them, or another folder with --out")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        _clear(folder)
+    except OSError as error:
+        raise ResultFileError(
+            f"the folder '{folder}' cannot be written: {error.strerror or error}; choose another one with --out"
+        ) from error
+    return folder
+
+
+def holds_results(folder: Path) -> bool:
+    """Whether a run has left a result file or a model in the folder or in one below it."""
+    names = (RESULT, MODEL, "report.html")
+    return folder.is_dir() and any((place / name).exists() for place in (folder, *folder.glob("*/")) for name in names)
+
+
+def _clear(folder: Path) -> None:
+    """Remove what earlier runs wrote, in the folder and in its subfolders that hold a run."""
+    for place in (folder, *(inner for inner in folder.glob("*/") if holds_results(inner))):
+        for pattern in WRITTEN:
+            for path in place.glob(pattern):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def result_path(path: Path) -> Path:
+    """The result file meant by a path: itself, or ``run.h5`` in a folder.
+
+    Raises:
+        ResultFileError: the folder has no result file, or more than one below it.
+    """
+    if not path.is_dir():
+        return path
+    if (path / RESULT).is_file():
+        return path / RESULT
+    inner = sorted(path.glob(f"*/{RESULT}"))
+    if len(inner) == 1:
+        return inner[0]
+    names = ", ".join(str(file) for file in inner)
+    raise ResultFileError(
+        f"'{path}' holds {f'several results: {names}' if inner else 'no result file (run.h5)'}; accepted is a result file"
+    )

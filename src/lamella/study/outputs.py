@@ -1,0 +1,171 @@
+"""Everything a run writes besides its result file: tables, ParaView's file, plots, pictures, report."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from lamella.errors import ResultFileError
+from lamella.io.analysis import Analysis, Computed, Output, mode_table
+from lamella.io.model_file import ModelFile
+from lamella.modal import Modes
+from lamella.result import Result
+from lamella.study.folder import PICTURES
+
+CAPTIONS = {
+    "signals.png": "Recorded signals",
+    "energy.png": "Energy and work, and what their balance leaves over",
+    "shape.png": "The deformed plates, true to their place and scale",
+    "animation.gif": "The motion",
+}
+DRAWN = {".png", ".gif"}
+SHOWN = 4
+"""Configurations in the picture of a motion or a path."""
+
+
+def write_outputs(
+    model_file: ModelFile, analysis: Analysis, computed: Computed, folder: Path, pictures: bool, say: Callable[[str], None]
+) -> list[Path]:
+    """Write what the model file's ``output`` asks for.
+
+    Args:
+        model_file: the model.
+        analysis: what was computed.
+        computed: its result or modes.
+        folder: where to write.
+        pictures: False leaves out plots, pictures, animation and report.
+        say: takes a line for each slow part.
+
+    Returns:
+        The files written.
+
+    Raises:
+        ResultFileError: a file cannot be written.
+    """
+    output = model_file.output
+    if isinstance(computed, Modes):
+        return [write_modes(computed, folder / "modes.csv")]
+    files = [write_signals(computed, folder / "signals.csv")] if output.csv else []
+    drawable = bool(len(computed.frame_at) and computed.model.plates)
+    if output.paraview and drawable:
+        from lamella.io.vtk import write_vtkhdf
+
+        files.append(write_vtkhdf(computed, folder / "surface.vtkhdf"))
+    if not pictures:
+        return files
+    if output.pictures:
+        say(f"{analysis.name}: drawing pictures")
+        files += write_pictures(computed, folder / PICTURES, output)
+    if output.animation and drawable and len(computed.frame_at) > 1:
+        say(f"{analysis.name}: drawing the animation")
+        files.append(write_animation(computed, folder / "animation.gif", output))
+    if output.report:
+        drawn = [path for path in files if path.suffix in DRAWN]
+        files.append(write_run_report(computed, folder / "report.html", model_file, drawn))
+    return files
+
+
+def write_run_report(result: Result, path: Path, model_file: ModelFile, drawn: Sequence[Path]) -> Path:
+    """Write the report page of one run.
+
+    Args:
+        result: of the run.
+        path: HTML file to write.
+        model_file: title, description and the model's text.
+        drawn: pictures to show.
+
+    Raises:
+        ResultFileError: the page cannot be written.
+    """
+    from lamella.viz.report import Figure, Section, write_report
+
+    shown = Section("Pictures", figures=[Figure(picture, CAPTIONS.get(picture.name, picture.stem)) for picture in drawn])
+    return write_report(
+        path,
+        model_file.title or "Run",
+        [shown] if drawn else [],
+        summary=model_file.description,
+        model_text=model_file.text(),
+        results={path.parent.name: result},
+    )
+
+
+def write_pictures(result: Result, folder: Path, output: Output | None = None) -> list[Path]:
+    """Draw signals, energies and the deformed plates into a folder.
+
+    Raises:
+        ResultFileError: a file cannot be written.
+    """
+    from lamella.viz.plots import plot_energy, plot_signals
+    from lamella.viz.scene import picture
+    from lamella.viz.style import save_figure
+
+    output = output or Output()
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise ResultFileError(f"'{folder}' cannot be written: {error.strerror or error}") from error
+    files = [save_figure(plot_signals(result, output.signals), folder / "signals.png")]
+    if any(name.startswith("energy.") for name in result.signals):
+        files.append(save_figure(plot_energy(result), folder / "energy.png"))
+    if len(result.frame_at) and result.model.plates:
+        at = output.at or _spread(result)
+        files.append(picture(result, folder / "shape.png", at=at, field=output.field, view=output.view, scale=output.scale))
+    return files
+
+
+def write_animation(result: Result, path: Path, output: Output | None = None) -> Path:
+    """Draw the animation of a result.
+
+    Raises:
+        ResultFileError: the file cannot be written.
+    """
+    from lamella.viz.scene import animation
+
+    output = output or Output()
+    return animation(result, path, field=output.field, view=output.view, scale=output.scale)
+
+
+def _spread(result: Result) -> Sequence[float]:
+    """Axis values of a few frames spread over the whole."""
+    chosen = np.unique(np.linspace(0, len(result.frame_at) - 1, SHOWN).round().astype(int))
+    return [float(result.frame_at[index]) for index in chosen]
+
+
+def write_signals(result: Result, path: Path) -> Path:
+    """Write all signals as a table: one row for each sample, one column for each component, units in the heading.
+
+    Raises:
+        ResultFileError: the file cannot be written.
+    """
+    unit = {"time": "s"}.get(result.axis, "1")
+    heading, columns = [f"{result.axis} [{unit}]"], [result.at]
+    for name, signal in result.signals.items():
+        values = result.history(name).values
+        for component, label in enumerate(signal.labels or ("",)):
+            heading.append(f"{name}{'.' if label else ''}{label} [{signal.unit}]")
+            columns.append(values[:, component] if signal.labels else values)
+    return _write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True))
+
+
+def write_modes(modes: Modes, path: Path) -> Path:
+    """Write the natural frequencies as a table.
+
+    Raises:
+        ResultFileError: the file cannot be written.
+    """
+    return _write_rows(path, ["mode", "frequency [Hz]"], mode_table(modes))
+
+
+def _write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[float]]) -> Path:
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(heading)
+            writer.writerows(rows)
+    except OSError as error:
+        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+    return path

@@ -1,0 +1,126 @@
+"""Run the analyses of a model file, one after another, into a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lamella._jit import announced
+from lamella.assembly.equations import Equations
+from lamella.errors import ConvergenceError, ModelFileError, ResultFileError
+from lamella.io.analysis import Analysis, Computed
+from lamella.io.model_file import ModelFile
+from lamella.io.results import ResultWriter
+from lamella.modal import Modes
+from lamella.model import Model
+from lamella.progress import ProgressBar
+from lamella.result import Cause, Result, Sink
+from lamella.signals import system_signals
+from lamella.study.folder import MODEL, RESULT
+from lamella.study.outputs import write_outputs
+
+Say = Callable[[str], None]
+
+
+def silent(text: str) -> None:
+    """Say nothing."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """One analysis that has been run.
+
+    Args:
+        analysis: what was asked for.
+        computed: the result or the modes.
+        files: what was written, in the order written.
+        failure: why it ended early, empty when it completed.
+    """
+
+    analysis: Analysis
+    computed: Computed
+    files: list[Path] = field(default_factory=list)
+    failure: str = ""
+
+
+def run_model(
+    model_file: ModelFile,
+    folder: Path,
+    *,
+    pictures: bool = True,
+    progress: bool = False,
+    say: Say = silent,
+) -> list[Finished]:
+    """Run all analyses of a model file; those after one that did not complete are left out.
+
+    Args:
+        model_file: what to run.
+        folder: an existing folder; each analysis has one of its own in it when there are several.
+        pictures: write plots, pictures and the report.
+        progress: show a progress bar.
+        say: takes messages such as that kernels are being compiled.
+
+    Returns:
+        What was computed, with the files written.
+
+    Raises:
+        KeyboardInterrupt: the user interrupted; the result file is closed and says how far the solution got.
+        ConvergenceError: an analysis stopped early; what it gave until then is written.
+    """
+    if not model_file.analyses:
+        name, sample = model_file.name or "the model", "'analysis: {swing: {type: motion, t_end: 1 s}}'"
+        raise ModelFileError(f"{name} asks for no analysis; add one, for example {sample}")
+    with announced(say):
+        model = model_file.system.compile()
+        finished: list[Finished] = []
+        for analysis in model_file.analyses:
+            place = folder if len(model_file.analyses) == 1 else folder / analysis.name
+            place.mkdir(exist_ok=True)
+            earlier = {item.analysis.name: item.computed for item in finished}
+            done = _run_analysis(model_file, model, analysis, earlier, place, progress)
+            finished.append(done)
+            _write_text(place / MODEL, model_file.text(), done)
+            done.files.extend(write_outputs(model_file, analysis, done.computed, place, pictures, say))
+            _raise_failure(done, place)
+    return finished
+
+
+def _run_analysis(
+    model_file: ModelFile, model: Model, analysis: Analysis, earlier: Mapping[str, Computed], folder: Path, progress: bool
+) -> Finished:
+    sinks: list[Sink] = []
+    files: list[Path] = []
+    if analysis.axis:
+        signals = system_signals(Equations(model))
+        files.append(folder / RESULT)
+        text, title = model_file.text(), model_file.title
+        sinks.append(
+            ResultWriter(files[0], signals, analysis.axis, model.n_q, model_text=text, title=title, target=analysis.span[1])
+        )
+    if progress and analysis.axis:
+        sinks.append(ProgressBar(analysis.name, *analysis.span, "s" if analysis.axis == "time" else ""))
+    computed = analysis.run(model, earlier, model_file.output.frames, sinks)
+    failure = "" if isinstance(computed, Modes) or computed.outcome.completed else str(computed.outcome)
+    return Finished(analysis, computed, files, failure)
+
+
+def _write_text(path: Path, text: str, done: Finished) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+    done.files.append(path)
+
+
+def _raise_failure(done: Finished, folder: Path) -> None:
+    if not done.failure:
+        return
+    assert isinstance(done.computed, Result)
+    text = f"analysis '{done.analysis.name}' {done.failure}; what was computed is in '{folder}'"
+    outcome = done.computed.outcome
+    if outcome.cause is Cause.INTERRUPTED:
+        raise KeyboardInterrupt(text)
+    if outcome.cause is Cause.WRITE_FAILED:
+        raise ResultFileError(text)
+    raise ConvergenceError(text, outcome, done.computed)

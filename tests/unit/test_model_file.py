@@ -1,0 +1,304 @@
+"""Model files: what is read, what is refused and with which words, and the way back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import lamella as lm
+from lamella.errors import DeclarationError, ModelFileError
+from lamella.io.analysis import Motion, NaturalModes, Statics
+from lamella.io.annotation import concrete
+from lamella.io.model_file import dumps, loads, read_model
+from lamella.io.schema import arguments, json_schema
+from lamella.io.sections import SECTIONS
+from lamella.roles import Declaration
+from lamella.templates import template, templates
+
+MODEL = """\
+lamella: 1
+title: Test
+materials:
+  carbon: {E1: 181 GPa, E2: 10.3 GPa, G12: 7.17 GPa, nu12: 0.28, rho: 1600}
+laminates:
+  cross: {ply: carbon, angles: [0, 90, 0], thickness: 1.5 mm}
+profiles:
+  slowly: {kind: ramp, t_end: 1 s}
+system:
+  root: {type: clamp, on: plate.x-}
+  plate:
+    type: plate
+    size: [1.5 m, 200 cm]
+    mesh: [2, 3]
+    laminate: cross
+    markers: {tip: [1500 mm, 1]}
+  load: {type: point_force, on: plate.tip, force: [0, 0, -0.01 kN], profile: slowly}
+  corner: {type: point_force, on: plate.x+y+, force: [1, 0, 0], profile: 2}
+  frame: {type: ground, markers: {hook: [1.5, 1, 1]}}
+  rod: {type: distance_joint, a: plate.tip, b: frame.hook}
+analysis:
+  still: {type: statics, steps: [0.5, 1]}
+  swing: {type: motion, t_end: 2 s, integrator: {dt: 1 ms, rho_inf: 0.8}, start: still}
+  modes: {type: natural_modes, count: 5, about: still}
+output: {frames: 20}
+"""
+
+
+def refused(text: str, *overrides: str) -> str:
+    with pytest.raises(ModelFileError) as caught:
+        loads(text, overrides, "model.yaml")
+    return str(caught.value)
+
+
+def changed(old: str, new: str) -> str:
+    assert MODEL.count(old) == 1
+    return MODEL.replace(old, new)
+
+
+def line_of(text: str) -> int:
+    return MODEL[: MODEL.index(text)].count("\n") + 1
+
+
+def test_declarations_are_those_of_python() -> None:
+    model = loads(MODEL)
+    root, plate, load, corner, frame, rod = model.system.declarations
+    ply = lm.Lamina(181e9, 10.3e9, 7.17e9, 0.28, 1600)
+    layup = lm.Laminate(ply, angles=(0, 90, 0), thickness=1.5e-3)
+    assert plate == lm.Plate("plate", (1.5, 2.0), (2, 3), layup, markers={"tip": (1.5, 1.0)})
+    assert (root.on.body, root.on.side) == (plate, "x-")
+    assert load == lm.PointForce("load", plate.marker("tip", 1.5, 1.0), (0, 0, -10), lm.Ramp(t_end=1.0))
+    assert corner == lm.PointForce("corner", plate.corner("x+y+"), (1, 0, 0), lm.Constant(2.0))
+    assert rod == lm.DistanceJoint("rod", plate.marker("tip", 1.5, 1.0), frame.marker("hook", 1.5, 1, 1))
+    still, swing, modes = model.analyses
+    assert still == Statics("still", steps=(0.5, 1.0))
+    assert swing == Motion("swing", 2.0, lm.GeneralizedAlpha(1e-3, 0.8), start="still")
+    assert modes == NaturalModes("modes", 5, about="still")
+    assert model.output.frames == 20
+
+
+def test_every_public_declaration_can_be_written_in_a_file() -> None:
+    accepted = SECTIONS["system"].classes()
+    public = [item for name in lm.__all__ if isinstance(item := getattr(lm, name), type) and issubclass(item, Declaration)]
+    assert public
+    assert set(public) <= set(accepted) == set(concrete(Declaration))
+
+
+def test_text_written_reads_as_the_same_model() -> None:
+    text = loads(MODEL).text()
+    assert loads(text).text() == text
+    assert loads(text).analyses == loads(MODEL).analyses
+    plates = [loads(t).system.declarations[1] for t in (text, MODEL)]
+    assert plates[0] == plates[1]
+
+
+def test_system_built_in_python_can_be_written() -> None:
+    system = lm.System()
+    sheet = lm.Laminate(lm.Isotropic(70e9, 0.3, 2700), thickness=1e-3)
+    plate = system.add(lm.Plate("p", (1, 1), (2, 2), sheet))
+    tip = plate.marker("tip", 1, 0.5)
+    system.add(lm.Clamp("c", plate.edge("x-"), {"z": lm.Harmonic(0.1, 2.0)}))
+    system.add(lm.PointForce("f", tip, (0, 0, 1), lm.Table((0, 1), (0, 1))))
+    again = loads(dumps(system, title="Mine")).system.declarations
+    assert again[0] == plate
+    assert again[2] == system.declarations[2]
+    assert again[1].motion == system.declarations[1].motion
+
+
+def test_marker_that_is_not_of_its_body_cannot_be_written() -> None:
+    system = lm.System()
+    plate = lm.Plate("p", (1, 1), (2, 2), lm.Laminate(lm.Isotropic(70e9, 0.3, 2700), thickness=1e-3))
+    other = lm.Plate("p", (1, 1), (2, 2), plate.laminate)
+    system.add(plate)
+    system.add(lm.PointForce("f", other.marker("far", 1, 1), (0, 0, 1)))
+    plate.markers.clear()
+    other.markers.clear()
+    with pytest.raises(DeclarationError, match=r"PointForce 'f': on: the marker p\.far is not one of its body"):
+        dumps(system)
+
+
+@pytest.mark.parametrize("name", templates())
+def test_templates_are_valid(name: str) -> None:
+    model = loads(template(name), name=name)
+    assert model.title
+    assert model.analyses
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "said"),
+    [
+        (
+            "size: [1.5 m, 200 cm]",
+            "size: [1.5 m, 200 kg]",
+            "system.plate.size[1]",
+            "'200 kg' has the unit kg, which does not convert to m",
+        ),
+        ("mesh: [2, 3]", "mesh: [0, 3]", "system.plate.mesh[0]", "found 0; accepted is a value at least 1"),
+        ("mesh: [2, 3]", "mesh: [2, 3, 4]", "system.plate.mesh", "the list has 3 items; accepted are 2"),
+        ("mesh: [2, 3]", "mesh: many", "system.plate.mesh", "found 'many'"),
+        ("mesh: [2, 3]", "mash: [2, 3]", "system.plate.mash", "did you mean 'mesh'?"),
+        ("laminate: cross\n", "laminate: crossed\n", "system.plate.laminate", "did you mean 'cross'?"),
+        ("tip: [1500 mm, 1]", "tip: [1600 mm, 1]", "system.plate.markers.tip", "marker 'tip' lies outside the plate"),
+        ("thickness: 1.5 mm", "thickness: -1.5 mm", "laminates.cross.thickness", "accepted is a value greater than 0"),
+        ("thickness: 1.5 mm", "thickness: 0", "laminates.cross.thickness", "accepted is a value greater than 0"),
+        ("rho: 1600", "rho: .nan", "materials.carbon.rho", "nan is not finite"),
+        ("nu12: 0.28", "nu12: 9", "materials.carbon.nu12", "nu12 = 9; accepted is abs(nu12)"),
+        (
+            "type: clamp, on: plate.x-",
+            "type: clmp, on: plate.x-",
+            "system.root.type",
+            "there is no type 'clmp'; did you mean 'clamp'?",
+        ),
+        ("type: clamp, on: plate.x-", "on: plate.x-", "system.root", "'type' is missing; accepted are clamp, "),
+        ("on: plate.x-", "onn: plate.x-", "system.root.onn", "clamp has no key 'onn'; did you mean 'on'?"),
+        ("type: clamp, on: plate.x-", "type: clamp", "system.root", "clamp needs 'on'"),
+        ("on: plate.x-", "on: plat.x-", "system.root.on", "there is no body 'plat'; did you mean 'plate'?"),
+        ("on: plate.x-", "on: plate.z-", "system.root.on", "'plate' has no marker or edge 'z-'; accepted are tip, "),
+        ("on: plate.x-", "on: plate", "system.root.on", "accepted is plate.marker or an edge such as plate.x-"),
+        (
+            "on: plate.x-",
+            "on: 7",
+            "system.root.on",
+            "found 7; accepted is an edge such as plate.x- or a marker such as plate.tip",
+        ),
+        ("on: plate.tip", "on: plate.x+", "system.load.on", "'plate.x+' is an edge; accepted is a marker"),
+        ("profile: slowly", "profile: slow", "system.load.profile", "did you mean 'slowly'?"),
+        ("profile: slowly", "profile: {kind: stp}", "system.load.profile.kind", "there is no kind 'stp'; did you mean 'step'?"),
+        ("profile: slowly", "profile: [1]", "system.load.profile", "found [1]; accepted is a number or a mapping"),
+        ("t_end: 2 s", "t_end: 0", "analysis.swing.t_end", "t_end = 0 s; accepted is a time later than"),
+        ("{frames: 20}", "{frames: 0}", "output.frames", "accepted is a value at least 1"),
+        ("title: Test", "tilte: Test", "tilte", "there is no section 'tilte'; did you mean 'title'?"),
+        ("lamella: 1", "lamella: 7", "lamella", "found version 7 of the model file; accepted is 1"),
+        (
+            "{frames: 20}",
+            "!!python/object/apply:os.getcwd []",
+            "output",
+            "the tag tag:yaml.org,2002:python/object/apply:os.getcwd is not",
+        ),
+        ("corner: {", "load: {", "system.load", "the key 'load' is already given in line"),
+        ("corner: {", "plate.a: {", "system.plate.a", "the name 'plate.a' is not accepted"),
+        ("corner: {type", "corner: {name: x, type", "system.corner.name", "the name is the key 'corner' and is not repeated"),
+    ],
+)
+def test_message_names_line_key_and_what_is_accepted(old: str, new: str, key: str, said: str) -> None:
+    message = refused(changed(old, new))
+    assert f"line {line_of(old)}, {key}: " in message
+    assert said in message
+    assert "error" not in message  # one cause gives one message, without others that only follow from it
+
+
+def test_all_errors_are_told_in_the_order_of_lines() -> None:
+    text = changed("mesh: [2, 3]", "mesh: [0, 3]").replace("-0.01 kN", "-0.01 kg").replace("rho: 1600", "rho: -1")
+    lines = refused(text).splitlines()
+    assert lines[0] == "model.yaml: 3 errors"
+    assert [line.split(",")[0] for line in lines[1:]] == [f"  line {line_of(part)}" for part in ("rho", "mesh", "-0.01 kN")]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "model.yaml is empty; 'lamella new' writes a template"),
+        ("# nothing\n", "model.yaml is empty"),
+        ("just words", "expected 'key: value' lines, found 'just words'"),
+        (
+            "lamella: 1\nsystem:\n\tplate: 1",
+            "line 3, column 1: not valid YAML: a tab is used to indent; accepted are spaces only",
+        ),
+        ("a: [1, 2", "line 1, column 9: not valid YAML"),
+        ("a: b: c", "line 1, column 5: not valid YAML: a ':' is not allowed here"),
+        ("a: \x00", "is not a text file of a model"),
+        ("lamella: 1", "no body, joint or load is given"),
+        ("system: {}", "the line 'lamella: 1' is missing"),
+        ("lamella: 1\nsystem: [1]", "line 2, system: found [1]; accepted are 'name: {...}' entries"),
+        ("lamella: 1\nsystem: &a {p: *a}", "an alias refers to the item it is part of"),
+        ("a: *b", "found undefined alias 'b'"),
+    ],
+)
+def test_what_is_no_model_is_refused(text: str, said: str) -> None:
+    assert said in refused(text)
+
+
+def test_aliases_cannot_explode() -> None:
+    levels = [
+        f"l{k}: &l{k} [{', '.join([f'*l{k - 1}'] * 9)}]" for k in range(1, 9)
+    ]  # 9^8 values, of which only a small part is made
+    assert "once its aliases are expanded" in refused("l0: &l0 [1]\n" + "\n".join(levels))
+
+
+def test_anchors_and_merge_keys_spare_repetition() -> None:
+    text = changed(
+        "corner: {type: point_force, on: plate.x+y+, force: [1, 0, 0], profile: 2}", "corner: {<<: *load, force: [1, 0, 0]}"
+    )
+    load, corner = loads(text.replace("load: {", "load: &load {")).system.declarations[2:4]
+    assert corner == lm.PointForce("corner", load.on, (1, 0, 0), load.profile)
+
+
+def test_overrides_replace_and_add_values() -> None:
+    model = loads(
+        MODEL,
+        ["system.plate.mesh=[8, 8]", "analysis.swing.integrator.dt=0.5ms", "system.plate.size[0]=1600 mm", "output.csv=false"],
+    )
+    plate, swing = model.system.declarations[1], model.analyses[1]
+    assert plate.mesh == (8, 8)
+    assert plate.size == (1.6, 2.0)
+    assert swing.integrator.dt == 5e-4
+    assert model.output.csv is False
+    assert loads(MODEL, ["description=New words"]).description == "New words"
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("system.plate.mesh=[0, 2]", "model.yaml, --set system.plate.mesh=[0, 2]: found 0; accepted is a value at least 1"),
+        ("system.plat.mesh=[2, 2]", "system has no key 'plat'; did you mean 'plate'?"),
+        ("sytem.plate.mesh=[2, 2]", "has no key 'sytem'; did you mean 'system'?"),
+        ("system.plate.mesh[5]=2", "system.plate.mesh has items 0 to 1, not '5'"),
+        ("system.plate.mush=2", "--set system.plate.mush=2: plate has no key 'mush'; did you mean 'mesh'?"),
+        ("title.a=2", "title is 'Test' and has no keys of its own"),
+        ("title", "--set title: accepted is key=value"),
+        ("title=[1", "--set title=[1: the value is not valid YAML"),
+    ],
+)
+def test_wrong_override_is_named(override: str, said: str) -> None:
+    assert said in refused(MODEL, override)
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    (tmp_path / "picture.yaml").write_bytes(b"\x89PNG\r\n\x1a\n\x00\xff\xfe")
+    for path, said in [
+        (tmp_path / "none.yaml", "cannot be read: No such file"),
+        (tmp_path, "is a folder; expected is a model file"),
+        (tmp_path / "picture.yaml", "is not a text file in UTF-8"),
+    ]:
+        with pytest.raises(ModelFileError, match=said) as caught:
+            read_model(path)
+        assert str(path) in str(caught.value)
+
+
+def test_errors_of_a_file_name_its_path(tmp_path: Path) -> None:
+    path = tmp_path / "plate.yaml"
+    path.write_text(changed("mesh: [2, 3]", "mesh: [0, 3]"))
+    with pytest.raises(ModelFileError, match=f"^{path}, line {line_of('mesh')}, system.plate.mesh"):
+        read_model(path)
+
+
+def test_schema_describes_units_defaults_and_references() -> None:
+    schema = json_schema()
+    json.dumps(schema, allow_nan=False)
+    plate = schema["$defs"]["Plate"]["properties"]
+    assert plate["n_gauss"]["default"] == 4
+    assert "Kelvin-Voigt" in plate["damping"]["description"]
+    length = schema["$defs"]["Lamina"]["properties"]["E1"]
+    assert length["unit"] == "Pa"
+    assert {choice["type"] for choice in length["anyOf"]} == {"number", "string"}
+    assert "name" not in plate
+    assert schema["$defs"]["Clamp"]["required"] == ["type", "on"]
+    for reference in [part["$ref"] for part in schema["properties"]["system"]["additionalProperties"]["anyOf"]]:
+        assert reference.removeprefix("#/$defs/") in schema["$defs"]
+
+
+def test_every_argument_has_a_description_in_the_schema() -> None:
+    definitions = json_schema()["$defs"]
+    for cls in SECTIONS["system"].classes():
+        assert set(definitions[cls.__name__]["properties"]) - {"type"} <= set(arguments(cls)), cls.__name__
