@@ -1,0 +1,53 @@
+"""The verification cases of statics pass, and notice a formulation that is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lamella.material.laminate import Laminate
+from lamella.verification.runner import find_cases, run_case
+
+CASES = (
+    "liu-laminates",
+    "p1-static",
+    "p2-static",
+    "pagano-laminate",
+    "patch",
+    "plate-closed-forms",
+    "strain-models",
+    "sze-cantilever",
+    "sze-roll-up",
+    "unsymmetric-laminate",
+)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_case_passes(name):
+    (case,) = find_cases([name])
+    outcome = run_case(case)
+    failed = [
+        f"{c.quantity}: {c.value} against {c.reference}, error {c.error} > {c.tolerance}" for c in outcome.checks if not c.passed
+    ]
+    assert not outcome.failure
+    assert outcome.checks
+    assert not failed
+
+
+def test_the_other_sign_of_coupling_is_noticed(monkeypatch):
+    flipped = property(lambda self: np.block([[self.A, self.B], [self.B, self.D]]))
+    monkeypatch.setattr(Laminate, "stiffness", flipped)
+    (case,) = find_cases(["unsymmetric-laminate"])
+    failed = {check.quantity for check in run_case(case).checks if not check.passed}
+    assert {
+        "kap_x under pull, strain = exact",
+        "kap_x under pull, strain = linear",
+        "eps_x under moment, strain = linear",
+    } <= failed
+
+
+def test_a_softer_section_is_noticed(monkeypatch):
+    exact = Laminate.stiffness.func
+    monkeypatch.setattr(Laminate, "stiffness", property(lambda self: 0.99 * exact(self)))
+    (case,) = find_cases(["sze-cantilever"])
+    assert not run_case(case).passed
