@@ -17,6 +17,9 @@ from lamella.roles import Floats
 from lamella.state import State
 from lamella.system import System
 
+RIGID_MODES = 7
+"""Modes computed beyond those asked for: the six of a rigid body and one elastic, which sets the scale."""
+
 
 @dataclass(frozen=True)
 class Modes:
@@ -65,18 +68,30 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
     K, J = sparse.csc_array(pattern.matrix(k.copy())), pattern.jacobian(j.copy())
     M = sparse.csc_array(pattern.matrix(equations.matrix.mass))
     values, vectors = _lowest(K, M, J, n, equations.magnitude)
-    order = np.argsort(values)
-    values, vectors = values[order], vectors[:, order]
     frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
     return Modes(model, frequencies, equations.elimination.T @ vectors, equations.coordinates(point))
 
 
 def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:
-    """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too."""
-    n_u, n_lam = len(magnitude), len(J.indptr) - 1
+    """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too.
+
+    A body that can move freely has eigenvalues of zero, from which no shift can be derived; close to them the matrix is all but
+    singular and the elastic modes drown in rounding. They are then computed again with a shift of the elastic modes' order.
+    """
     scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
     K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), J @ scale
-    shift = -1e-3 * _typical(K, M)
+    count = min(n + RIGID_MODES, len(magnitude) - len(J.indptr))
+    values, vectors = _nearest(K, M, J, count, -1e-3 * _typical(K, M))
+    largest = np.abs(values).max()
+    if np.abs(values).min() < 1e-6 * largest:
+        values, vectors = _nearest(K, M, J, count, -0.1 * largest)
+    chosen = np.argsort(values)[:n]
+    return values[chosen], scale @ vectors[:, chosen]
+
+
+def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, shift: float) -> tuple[Floats, Floats]:
+    """The ``n`` eigenvalues nearest to a shift below them, on the null space of J."""
+    n_u, n_lam = M.shape[0], len(J.indptr) - 1
     matrix = K - shift * M
     saddle = sparse.block_array([[matrix, J.T], [J, None]], format="csc") if n_lam else matrix
     try:
@@ -91,8 +106,7 @@ def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: in
 
     operator: Any = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
     start = inverse(M @ np.ones(n_u))
-    values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
-    return values, scale @ vectors
+    return linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
 
 
 def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
