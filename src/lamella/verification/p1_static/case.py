@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import lamella as lm
 from lamella.result import Result
@@ -34,7 +35,7 @@ def run() -> Iterator[Check]:
     yield references.check("z_C at -10 N, linear theory, extrapolated", linear[1] + (linear[1] - linear[0]) / 3)
 
 
-def loaded(n: int, strain: str = "exact") -> Result:
+def loaded(n: int, strain: Literal["exact", "linear"] = "exact") -> Result:
     """Equilibria under -10 N and -20 N."""
     system = lm.System()
     plate = system.add(lm.Plate("plate", (1.5, 2.0), (n, n), LAMINATE, strain=strain))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
+from typing import Literal
 
 import numpy as np
 from scipy.special import ellipk
@@ -48,7 +49,7 @@ def supported_plate(references: References) -> Iterator[Check]:
     yield references.check("simply supported plate: exact strains under a small load, over linear", exact_strain / linear)
 
 
-def square_plate(n: int, pressure: float, strain: str) -> Result:
+def square_plate(n: int, pressure: float, strain: Literal["exact", "linear"]) -> Result:
     """Simply supported square plate of n x n elements under a uniform force per area along -z."""
     system = lm.System()
     section = lm.Laminate(lm.Isotropic(E=E, nu=0.3, rho=2700), thickness=H)

@@ -41,7 +41,7 @@ def corner(angles: tuple[int, ...], force: float, strain: str) -> Floats:
     """Displacement of the loaded corner [m], shape (3,)."""
     system = lm.System()
     section = lm.Laminate(PLY, angles=angles, thickness=2e-3)
-    plate = system.add(lm.Plate("plate", (0.6, 0.4), (4, 3), section, strain=strain))
+    plate = system.add(lm.Plate("plate", (0.6, 0.4), (4, 3), section, strain=strain))  # pyright: ignore[reportArgumentType]
     system.add(lm.Clamp("root", plate.edge("x-")))
     system.add(lm.PointForce("force", plate.marker("corner", 0.6, 0.4), (0.0, 0.0, force)))
     result = lm.equilibrium(system, newton=lm.Newton(tolerance=1e-13, keep=0.0))

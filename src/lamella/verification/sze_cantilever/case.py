@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 import lamella as lm
 from lamella.roles import Floats
@@ -23,8 +23,8 @@ def run() -> Iterator[Check]:
     references = References.beside(__file__)
     factors = references.at("W, published")
     path = tip_path(16, factors)
-    yield from references.checks("-U, published", -path[:, 0])
-    yield from references.checks("W, published", path[:, 1])
+    yield from references.checks("-U, published", (-path[:, 0]).tolist())
+    yield from references.checks("W, published", path[:, 1].tolist())
     exact = np.array([elastica(factor * FORCE) for factor in factors])
     worst = np.abs(path - exact).max(axis=0)
     yield references.check("U, mesh 16 x 1: largest distance to the elastica over the path", worst[0])
@@ -58,6 +58,6 @@ def elastica(force: float) -> Floats:
 
         return solve_ivp(slope, (0.0, LENGTH), [0.0, curvature, 0.0, 0.0], rtol=1e-10, atol=1e-12).y[:, -1]
 
-    root = brentq(lambda curvature: shot(curvature)[1], 0.0, force * LENGTH / BENDING_STIFFNESS, xtol=1e-13)
-    end = shot(float(root))
+    bracket = (0.0, force * LENGTH / BENDING_STIFFNESS)
+    end = shot(root_scalar(lambda curvature: shot(curvature)[1], bracket=bracket, xtol=1e-13).root)
     return np.array([end[2] - LENGTH, end[3]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 import lamella as lm
 from lamella.assembly.equations import Equations
@@ -28,8 +28,8 @@ def run() -> Iterator[Check]:
     factors = np.array(references.at("u, mesh 16 x 1"))
     coarse = rolled(16, follower=True)
     path = tip(coarse, factors)
-    yield from references.checks("u, mesh 16 x 1", path[:, 0])
-    yield from references.checks("w, mesh 16 x 1", path[:, 1])
+    yield from references.checks("u, mesh 16 x 1", path[:, 0].tolist())
+    yield from references.checks("w, mesh 16 x 1", path[:, 1].tolist())
     fixed_axis = tip(rolled(16, follower=False), factors)
     yield references.check("moment about a fixed axis against follower moment", np.abs(fixed_axis - path).max())
     model = np.array([extensible_circle(factor * FULL_CIRCLE) for factor in factors])
@@ -75,7 +75,7 @@ def extensible_circle(moment: float) -> tuple[float, float]:
     def unbalanced(g: float) -> float:
         return A * (g * g - 1) / 2 + D * (moment / (D * g * g)) ** 2
 
-    g = float(brentq(unbalanced, 0.9, 1.1, xtol=1e-15))
+    g = root_scalar(unbalanced, bracket=(0.9, 1.1), xtol=1e-15).root
     rate = moment / (D * g * g)
     angle = rate * LENGTH
     return g * np.sin(angle) / rate - LENGTH, g * (1 - np.cos(angle)) / rate

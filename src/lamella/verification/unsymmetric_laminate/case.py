@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Literal
 
 import lamella as lm
 from lamella.body.mesh import PlateSample
@@ -28,7 +29,8 @@ def run() -> Iterator[Check]:
         ("D11", LAMINATE.D[0, 0]),
     ):
         yield references.check(name, value)
-    for strain in ("exact", "linear"):
+    models: tuple[Literal["exact", "linear"], ...] = ("exact", "linear")
+    for strain in models:
         pulled, bent = loaded(strain, pull=PULL), loaded(strain, moment=MOMENT)
         for name, sample in (("pull", pulled), ("moment", bent)):
             middle = sample.strains[len(sample.y) // 2, len(sample.x) // 2]
@@ -41,7 +43,7 @@ def run() -> Iterator[Check]:
         yield replace(check, quantity=f"{check.quantity}, strain = {strain}")
 
 
-def loaded(strain: str, pull: float = 0.0, moment: float = 0.0) -> PlateSample:
+def loaded(strain: Literal["exact", "linear"], pull: float = 0.0, moment: float = 0.0) -> PlateSample:
     """The free plate under opposite forces or moments on the edges x- and x+, on isostatic supports."""
     system = lm.System()
     plate = system.add(lm.Plate("plate", SIZE, MESH, LAMINATE, strain=strain))
