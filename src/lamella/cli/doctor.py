@@ -45,13 +45,14 @@ class Finding:
 def doctor_command() -> int:
     """Print a table of findings; 1 when there is a problem."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     findings = [finding for look in LOOKS for finding in _guarded(look)]
     table = Table("", "what", "found", "advice", header_style="bold")
     marks = {"ok": "[green]ok[/]", "note": "[yellow]note[/]", "problem": "[red]problem[/]"}
     for finding in findings:
-        table.add_row(marks[finding.state], finding.what, finding.text, finding.advice)
+        table.add_row(marks[finding.state], *map(escape, (finding.what, finding.text, finding.advice)))
     Console(highlight=False, width=None if sys.stdout.isatty() else 140).print(table)
     problems = [finding.what for finding in findings if finding.state == "problem"]
     print(f"{len(problems)} problem(s): {', '.join(problems)}" if problems else "lamella is ready to run")

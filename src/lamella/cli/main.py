@@ -12,15 +12,21 @@ from lamella.errors import LamellaError
 
 ERROR, INTERRUPTED = 2, 130
 
+
+class Interrupted(Exception):  # noqa: N818  # it is no error
+    """Ctrl-C, with a sentence on how far the run got."""
+
+
 app = typer.Typer(
     name="lamella",
     help="Flexible multibody dynamics of thin plates and shells, from a model file to results and pictures.",
     no_args_is_help=True,
     add_completion=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: half the start-up time
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-example_app = typer.Typer(help="List the examples, or copy one to change it.", no_args_is_help=True)
+example_app = typer.Typer(help="List the examples, or copy one to change it.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(example_app, name="examples")
 
 Settings = Annotated[
@@ -61,7 +67,10 @@ def run_model(
     """Compute what a model file asks for and write results, pictures and a report page."""
     from lamella.cli.run import run_command
 
-    raise typer.Exit(run_command(model, out, settings or [], overwrite=overwrite, quiet=quiet, pictures=not no_pictures))
+    try:
+        run_command(model, out, settings or [], overwrite=overwrite, quiet=quiet, pictures=not no_pictures)
+    except KeyboardInterrupt as error:
+        raise Interrupted(str(error)) from error
 
 
 @app.command()
@@ -181,19 +190,19 @@ def run_app(arguments: list[str] | None = None) -> int:
         code = app(arguments, standalone_mode=False)
     except typer.Exit as leave:
         return leave.exit_code
-    except typer.Abort:
-        return _interrupted()
+    except (typer.Abort, Interrupted) as error:
+        return _interrupted(str(error))
     except LamellaError as error:
         print(f"lamella: {error}", file=sys.stderr)
         return ERROR
-    except KeyboardInterrupt as error:
-        return _interrupted(str(error))
     except Exception as error:
         show = getattr(error, "show", None)  # a wrong option or argument explains itself
         if show is None:
             raise
         show()
         return ERROR
+    if code == INTERRUPTED:  # typer has turned Ctrl-C into this code
+        return _interrupted()
     return code if isinstance(code, int) else 0
 
 

@@ -19,7 +19,7 @@ from lamella.study.run import Finished, run_model
 from lamella.study.study import Study, run_study
 
 
-def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: bool, quiet: bool, pictures: bool) -> int:
+def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: bool, quiet: bool, pictures: bool) -> None:
     """Run a model file or an example and print a summary."""
     chosen = _find(name)
     path = chosen.model if isinstance(chosen, Example) else chosen
@@ -31,13 +31,12 @@ def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: 
         finished = run_model(model, folder, pictures=pictures, progress=progress, say=say)
         if not quiet:
             _summary({"": finished}, [], folder)
-        return 0
+        return
     study = Study(path, folder, settings, draw=pictures, progress=progress, say=say)
     findings = run_study(chosen.study(), study)
     if not quiet:
         _summary(study.finished, study.files, folder)
         _show_findings(findings)
-    return 0
 
 
 def _find(name: str) -> Path | Example:

@@ -18,6 +18,7 @@ from lamella.progress import ProgressBar
 from lamella.result import Cause, Result, Sink
 from lamella.signals import system_signals
 from lamella.study.folder import MODEL, RESULT
+from lamella.study.interruption import Interruption
 from lamella.study.outputs import write_outputs
 
 Say = Callable[[str], None]
@@ -100,6 +101,7 @@ def _run_analysis(
         )
     if progress and analysis.axis:
         sinks.append(ProgressBar(analysis.name, *analysis.span, "s" if analysis.axis == "time" else ""))
+    sinks.append(Interruption())
     computed = analysis.run(model, earlier, model_file.output.frames, sinks)
     failure = "" if isinstance(computed, Modes) or computed.outcome.completed else str(computed.outcome)
     return Finished(analysis, computed, files, failure)

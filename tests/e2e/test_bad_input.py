@@ -1,0 +1,108 @@
+"""Bad input to ``lamella run``: one clear message, exit code 2, nothing written."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+OVERRIDES = [
+    ("system.strip.laminate.thickness=0", "accepted is a value greater than 0"),
+    ("system.strip.laminate.thickness=-2 mm", "accepted is a value greater than 0"),
+    ("system.strip.size=[1 kg, 1]", "does not convert to m"),
+    ("system.strip.laminate.ply.E=.nan", "nan is not finite"),
+    ("system.strip.mesh=[0, 1]", "accepted is a value at least 1"),
+    ("system.strip.markers.tip=[1.5, 0]", "marker 'tip' lies outside the plate"),
+    ("system.strip.colour=red", "plate has no key 'colour'"),
+    ("system.strip.laminate.ply.nu=0.9", "nu = 0.9"),
+    ("system.load.on=strip.top", "no marker or edge 'top'"),
+    ("analysis.swing.t_end=-1", "accepted is a time later than t_start"),
+    ("analysis.swing.integrator.dt=0", "accepted is a value greater than 0"),
+    ("analysis={}", "asks for no analysis"),
+    ("system={}", "no body, joint or load is given"),
+    ("analysis={still: {type: statics}, swing: {type: motion, t_end: 1, start: stil}}", "no earlier analysis"),
+]
+
+
+def one_message(done: subprocess.CompletedProcess[str]) -> str:
+    """The message of a refused call, which is one and no traceback."""
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    messages = [line for line in done.stderr.splitlines() if line.startswith("lamella: ")]
+    assert len(messages) == 1, done.stderr
+    return done.stderr
+
+
+@pytest.mark.parametrize(("override", "said"), OVERRIDES)
+def test_impossible_value_is_refused(here, model: Path, override: str, said: str) -> None:
+    message = one_message(here("run", model, "--out", "out", "--no-pictures", "--set", override))
+    assert said in message
+
+
+def test_refused_model_writes_nothing(here, model: Path, tmp_path: Path) -> None:
+    one_message(here("run", model, "--out", "out", "--set", "system.strip.mesh=[0, 1]"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_statics_without_a_support_is_refused(here, model: Path) -> None:
+    model.write_text(model.read_text().replace("  root: {type: clamp, on: strip.x-}\n", ""))
+    message = one_message(here("run", model, "--out", "out", "--no-pictures", "--set", "analysis={still: {type: statics}}"))
+    assert "nothing holds the system; add at least one support" in message
+
+
+def test_load_that_cannot_be_carried_says_how_far_it_got(here, model: Path, tmp_path: Path) -> None:
+    text = model.read_text().replace("root: {type: clamp, on: strip.x-}", "root: {type: point_support, on: strip.x-y-}")
+    model.write_text(text)  # a plate on one ball joint turns away under any load
+    message = one_message(here("run", model, "--out", "out", "--no-pictures", "--set", "analysis={still: {type: statics}}"))
+    assert "singular" in message or "stopped at 0 of 1" in message
+
+
+def test_missing_files_and_folders(here, tmp_path: Path) -> None:
+    assert "the model file 'none.yaml' does not exist" in one_message(here("run", "none.yaml"))
+    assert "is a folder; expected is a model file" in one_message(here("run", tmp_path))
+    assert "neither a model file nor an example" in one_message(here("run", "cantilver-plate"))
+    assert "does not exist" in one_message(here("info", "none.h5"))
+    assert "does not exist" in one_message(here("plot", "none.h5"))
+    assert "holds no result file" in one_message(here("info", tmp_path))
+    (tmp_path / "words.h5").write_text("no result")
+    assert "is not a result file" in one_message(here("info", "words.h5"))
+
+
+def test_output_folder_that_is_a_file(here, model: Path) -> None:
+    assert "is a file; accepted is a folder" in one_message(here("run", model, "--out", model))
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the administrator may write everywhere")
+def test_read_only_folder(here, model: Path, tmp_path: Path) -> None:
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o555)
+    assert "cannot be written: Permission denied" in one_message(here("run", model, "--out", closed / "out"))
+
+
+def test_folder_where_nothing_can_be_made(here, model: Path) -> None:
+    assert "cannot be written" in one_message(here("run", model, "--out", "/proc/results"))
+
+
+def test_full_disk(model: Path, tmp_path: Path, environment: dict[str, str]) -> None:
+    """A limit on the size of files stands for the full disk: the run ends with one message."""
+    words = ["run", model, "--out", "out", "--no-pictures", "--quiet", "--set", "analysis.swing.t_end=60 s"]
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (600_000, 600_000))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "lamella", *words],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        preexec_fn=limit,
+        check=False,
+    )
+    assert "cannot be written" in one_message(done)

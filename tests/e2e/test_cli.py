@@ -1,0 +1,190 @@
+"""The commands of ``lamella``, from end to end."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from lamella.errors import ResultFileError
+from lamella.io.results import read_result
+
+HEAVY = (
+    "numba",
+    "numpy",
+    "scipy",
+    "matplotlib",
+    "pint",
+    "h5py",
+    "xarray",
+    "pyvista",
+    "ruamel",
+)  # typer itself may import pydantic
+COMMANDS = ("run", "new", "examples", "info", "verify", "plot", "export", "doctor", "schema")
+
+
+@pytest.mark.parametrize("words", [[], *([command] for command in COMMANDS), ["examples", "list"], ["examples", "copy"]])
+def test_help_imports_nothing_heavy(words: list[str]) -> None:
+    code = (
+        "import sys; from lamella.cli.main import run_app; run_app([*sys.argv[1:], '--help']); "
+        f"print('HEAVY', *(name for name in {HEAVY} if name in sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, timeout=60, check=True)
+    assert "Usage:" in done.stdout
+    assert done.stdout.splitlines()[-1].split() == ["HEAVY"]
+
+
+def test_help_names_every_command(lamella) -> None:
+    text = lamella("--help").stdout
+    for command in COMMANDS:
+        assert f" {command} " in text
+
+
+def test_run_leaves_results_pictures_and_report(lamella, model: Path, tmp_path: Path) -> None:
+    done = lamella("run", model, "--out", "out", "--set", "system.strip.mesh=[3, 1]")
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "out"
+    files = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+    pictures = {"pictures/signals.png", "pictures/energy.png", "pictures/shape.png", "animation.gif", "report.html"}
+    assert files == {"run.h5", "model.yaml", "signals.csv", "surface.vtkhdf"} | pictures
+    for name in files:
+        assert name in done.stdout
+    assert "completed at 0.02" in done.stdout
+    assert "swing: completed" in done.stderr
+    result = read_result(out / "run.h5")
+    assert result.title == "Small strip"
+    assert result.model.plates[0].nx == 3  # the stored model is the one with the override
+    assert len(result.at) == 21
+    with (out / "signals.csv").open() as file:
+        rows = list(csv.reader(file))
+    column = rows[0].index("tip.position.z [m]")
+    assert np.allclose([float(row[column]) for row in rows[1:]], result.history("tip.position").values[:, 2], rtol=1e-12)
+    report = (out / "report.html").read_text()
+    assert "Small strip" in report
+    assert 'src="http' not in report
+
+
+def test_several_analyses_have_folders_of_their_own(lamella, tmp_path: Path) -> None:
+    assert lamella("new", "bent", "--template", "statics").returncode == 0
+    done = lamella("run", "bent.yaml", "--out", "out", "--no-pictures", "--quiet")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == done.stderr == ""
+    assert (tmp_path / "out/still/run.h5").is_file()
+    rows = list(csv.reader((tmp_path / "out/modes/modes.csv").open()))
+    frequencies = [float(row[1]) for row in rows[1:]]
+    assert len(frequencies) == 6
+    assert frequencies == sorted(frequencies)
+    assert not list(tmp_path.rglob("*.png"))
+
+
+def test_a_second_run_does_not_replace_results_unasked(lamella, model: Path, tmp_path: Path) -> None:
+    assert lamella("run", model, "--out", "out", "--no-pictures").returncode == 0
+    (tmp_path / "out/notes.txt").write_text("mine")
+    before = (tmp_path / "out/run.h5").stat().st_mtime_ns
+    done = lamella("run", model, "--out", "out", "--no-pictures")
+    assert done.returncode == 2
+    assert "'out' holds results already; give --overwrite" in done.stderr
+    assert (tmp_path / "out/run.h5").stat().st_mtime_ns == before
+    assert lamella("run", model, "--out", "out", "--no-pictures", "--overwrite").returncode == 0
+    assert (tmp_path / "out/run.h5").stat().st_mtime_ns != before
+    assert (tmp_path / "out/notes.txt").read_text() == "mine"
+
+
+def test_interrupted_run_leaves_a_valid_file(model: Path, tmp_path: Path, environment: dict[str, str]) -> None:
+    words = ["run", model, "--out", "out", "--no-pictures", "--set", "analysis.swing.t_end=1000 s"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "lamella", *words], cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True
+    )
+    deadline = time.monotonic() + 300
+    file = tmp_path / "out/run.h5"
+    while time.monotonic() < deadline and not _samples(file):
+        time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "analysis 'swing' stopped at" in errors
+    assert "of 1000: interrupted by the user" in errors
+    result = read_result(file)
+    assert result.outcome.cause.name == "INTERRUPTED"
+    assert result.outcome.reached == result.at[-1] > 0
+    assert result.outcome.target == 1000
+    assert (tmp_path / "out/signals.csv").is_file()
+    with h5py.File(file) as stored:
+        assert len(stored["signals/tip.position"]) == len(stored["signals/time"])
+
+
+def _samples(path: Path) -> int:
+    """Samples flushed to a file that may still be written."""
+    try:
+        return len(read_result(path).at)
+    except ResultFileError:  # not there yet, or in the middle of a flush
+        return 0
+
+
+def test_new_writes_a_file_that_runs_and_a_schema(lamella, tmp_path: Path) -> None:
+    assert "cantilever" in lamella("new", "--list").stdout
+    done = lamella("new", "wing")
+    assert done.returncode == 0
+    text = (tmp_path / "wing.yaml").read_text()
+    assert text.startswith("# yaml-language-server: $schema=lamella.schema.json\n")
+    assert json.loads((tmp_path / "lamella.schema.json").read_text()) == json.loads(lamella("schema").stdout)
+    assert lamella("info", "wing.yaml").returncode == 0
+    again = lamella("new", "wing")
+    assert again.returncode == 2
+    assert "'wing.yaml' exists already" in again.stderr
+    assert "did you mean 'cantilever'" in lamella("new", "x", "--template", "cantilver").stderr
+
+
+def test_result_can_be_looked_at_plotted_and_exported(lamella, model: Path, tmp_path: Path) -> None:
+    assert lamella("run", model, "--out", "out", "--no-pictures").returncode == 0
+    shown = lamella("info", "out").stdout
+    assert "completed at 0.02; 21 samples over time" in shown
+    assert "tip.position.z" in shown
+    assert "point_force" in shown
+    assert lamella("plot", "out", "tip.position.z", "--out", "tip.svg").returncode == 0
+    assert (tmp_path / "tip.svg").read_text().lstrip().startswith("<?xml")
+    (tmp_path / "out/signals.csv").unlink()
+    for form, name in {"vtkhdf": "surface.vtkhdf", "csv": "signals.csv", "yaml": "model.yaml", "html": "report.html"}.items():
+        done = lamella("export", "out", "--to", form)
+        assert done.returncode == 0, done.stderr
+        assert name in done.stdout
+        assert (tmp_path / "out" / name).is_file()
+    wrong = lamella("export", "out", "--to", "vtkhfd")
+    assert wrong.returncode == 2
+    assert "did you mean 'vtkhdf'" in wrong.stderr
+    missing = lamella("plot", "out", "tip.positon")
+    assert missing.returncode == 2
+    assert "tip.positon" in missing.stderr
+
+
+def test_verify_lists_runs_and_refuses_unknown_cases(lamella) -> None:
+    names = [entry["case"] for entry in json.loads(lamella("verify", "--list", "--json").stdout)]
+    assert names
+    wrong = lamella("verify", "no-such-case")
+    assert wrong.returncode == 2
+    for name in names:
+        assert name in wrong.stderr
+
+
+def test_doctor_finds_this_installation_sound(lamella) -> None:
+    done = lamella("doctor")
+    assert done.returncode == 0, done.stdout
+    assert "lamella is ready to run" in done.stdout
+    for word in ("python", "numba", "kernel cache", "OpenGL", "working folder", "small plate bends"):
+        assert word in done.stdout
+
+
+def test_version_and_wrong_commands(lamella) -> None:
+    assert lamella("--version").stdout.startswith("lamella ")
+    wrong = lamella("rnu")
+    assert wrong.returncode == 2
+    assert "No such command 'rnu'" in wrong.stderr
+    assert "Traceback" not in wrong.stderr
