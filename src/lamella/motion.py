@@ -9,7 +9,7 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ResultFileError
-from lamella.integrate.base import Integrator, Stepper
+from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.model import Model
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
@@ -21,8 +21,12 @@ from lamella.system import System
 
 SAFETY = 0.9
 """Share of the step that the error estimate would allow."""
+BEFORE_JUMP = 1e-9
+"""Share of the step by which the last one before a jump stays short of it, so that it does not feel what begins there."""
 GROWTH = (0.2, 2.0)
 """Smallest and largest change of the step from one to the next."""
+KEEP_STEP = 1.2
+"""Growth below which a step keeps its size, and with it the factorisation."""
 
 
 def simulate(
@@ -122,13 +126,15 @@ class _March:
             remaining = stop - self.t
             count = max(1, round(remaining / dt)) if remaining < 1.5 * dt else 0
             trial = remaining / count if count else dt
+            if count == 1 and stop < self.t_end:
+                trial *= 1.0 - BEFORE_JUMP
             outcome = self.stepper.step(trial)
             adaptive = self.integrator.tolerance is not None
             if outcome.point is None or (adaptive and outcome.error > 1.0):
                 self.statistics.rejected += 1
                 dt = trial * (0.5 if outcome.point is None else self._factor(outcome.error))
                 if dt < self.integrator.dt_min:
-                    return Outcome(outcome.report.cause, self.t, self.t_end, f"step {trial:.1e} s; {outcome.report.detail}")
+                    return self._given_up(trial, outcome)
                 continue
             point = self.stepper.accept()
             self.statistics.steps += 1
@@ -136,10 +142,18 @@ class _March:
             self.state = self.equations.state(point)
             self.recorder.sample(self.t, self.state)
             if adaptive:
-                dt = min(trial * self._factor(outcome.error), self.integrator.dt_max)
+                factor = self._factor(outcome.error)
+                dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
             elif dt < self.integrator.dt:
                 dt = min(2.0 * dt, self.integrator.dt)  # a step cut after a failure grows back
         return None
+
+    def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
+        """The end at the smallest step, by Newton or by the error estimate."""
+        cause, detail = outcome.report.cause, outcome.report.detail
+        if outcome.point is not None:
+            cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
+        return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
 
     def _factor(self, error: float) -> float:
         """Change of the step for a local error of order dt^(order + 1)."""

@@ -102,6 +102,10 @@ class Equations:
         moving = self._source(self.elimination.accelerations(point.t))
         return self.constraints.gamma(point.t, q, v) + self.constraints.times(point.t, q, moving)
 
+    def inertia_force(self, udd: Floats) -> Floats:
+        """T^T M T udd, shape (n_u,)."""
+        return self._gather(self._mass(self.expand(udd)))
+
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
         if self._held is not None:

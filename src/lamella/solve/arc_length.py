@@ -17,6 +17,11 @@ from lamella.roles import Floats
 from lamella.solve.newton import NewtonSolver
 from lamella.units import Positive
 
+LANDINGS = 30
+"""Steps of regula falsi towards the last load factor."""
+NEARLY = 1e-3
+"""Share of the last step's change of load within which the load factor is held."""
+
 
 @declaration
 class ArcLength:
@@ -28,8 +33,9 @@ class ArcLength:
     Args:
         first: load factor of the first step.
         psi: weight of the load factor, 0 for a cylinder that only sees displacements.
-        wanted: iterations aimed at; fewer lengthen the step.
-        largest: largest step relative to the first.
+        wanted: iterations aimed at; fewer lengthen the step, and one that needs twice as many is halved: an iteration that
+            wanders may end on another branch.
+        largest: largest step: root mean square change of positions relative to the size of the body and of slopes.
         smallest: smallest step relative to the first, below which the path is given up.
         max_steps: number of steps after which the path ends.
     """
@@ -37,7 +43,7 @@ class ArcLength:
     first: Positive = 0.05
     psi: Annotated[float, Field(ge=0.0)] = 0.0
     wanted: Annotated[int, Field(ge=2)] = 6
-    largest: Positive = 5.0
+    largest: Positive = 0.05
     smallest: Positive = 1e-4
     max_steps: Annotated[int, Field(ge=1)] = 500
 
@@ -68,7 +74,7 @@ class ArcLength:
             except SingularSystemError as error:
                 return Outcome(Cause.SINGULAR, point.factor, until, str(error))
             if np.isnan(radius):
-                radius = start = self.first * path.length(direction, 1.0)
+                radius = start = min(self.first * path.length(direction, 1.0), self.largest)
             iterations, new = 0, None
             while new is None:
                 iterations, new = path.step(point, direction, radius)
@@ -79,26 +85,49 @@ class ArcLength:
                         return Outcome(Cause.NOT_CONVERGED, point.factor, until, f"arc length {radius:.1e}")
             statistics.steps += 1
             if new.factor >= until:
-                return self._finish(path, newton, point, new, until, record)
+                return self._finish(path, newton, point, direction, (radius, new), until, record)
             path.remember(point, new)
             point = new
             record(point)
-            radius = min(radius * float(np.clip((self.wanted / iterations) ** 0.5, 0.5, 2.0)), self.largest * start)
+            radius = min(radius * float(np.clip((self.wanted / iterations) ** 0.5, 0.5, 2.0)), self.largest)
         return Outcome(Cause.STEP_LIMIT, point.factor, until, f"{self.max_steps} steps")
 
     def _finish(
-        self, path: _Path, newton: NewtonSolver, point: Point, new: Point, until: float, record: Callable[[Point], None]
+        self,
+        path: _Path,
+        newton: NewtonSolver,
+        point: Point,
+        direction: Floats,
+        beyond: tuple[float, Point],
+        until: float,
+        record: Callable[[Point], None],
     ) -> Outcome:
-        """Land on the load factor asked for, between the last two points."""
-        share = (until - point.factor) / (new.factor - point.factor)
-        last = new.copy()
-        last.u, last.lam = point.u + share * (new.u - point.u), point.lam + share * (new.lam - point.lam)
+        """Land on the load factor asked for, between the last two points.
+
+        The arc length is shortened by regula falsi until the load factor nearly fits, and only then held: from afar, Newton's
+        iteration at a fixed load may fall onto another branch.
+        """
+        (far, new), near, nearest = beyond, 0.0, point
+        for _ in range(LANDINGS):
+            share = np.clip((until - nearest.factor) / (new.factor - nearest.factor), 0.05, 0.95)
+            radius = near + float(share) * (far - near)
+            trial = path.step(point, direction, radius)[1]
+            if trial is None:
+                break
+            if trial.factor < until:
+                near, nearest = radius, trial
+            else:
+                far, new = radius, trial
+            if abs(trial.factor - until) <= NEARLY * abs(beyond[1].factor - point.factor):
+                nearest = trial
+                break
+        last = nearest.copy()
         last.factor = until
         newton.forget()
-        report = newton.solve(last, STATIC, path.equations.coordinates(point))
-        if not report.converged:
-            record(new)
-            return Outcome(report.cause, new.factor, until, f"the path was passed beyond its end; {report.detail}")
+        report = newton.solve(last, STATIC, path.equations.coordinates(nearest))
+        if not report.converged or path.length(last.u - nearest.u, 0.0) > beyond[0]:
+            record(beyond[1])
+            return Outcome(Cause.NOT_CONVERGED, beyond[1].factor, until, f"the path was passed beyond its end; {report.detail}")
         record(last)
         return Outcome(Cause.COMPLETED, until, until)
 
@@ -133,7 +162,7 @@ class _Path:
         new = point.copy()
         new.u, new.factor = point.u + dfactor * direction, point.factor + dfactor
         before, last, iteration = point, np.inf, 0
-        for iteration in range(1, self.newton.options.max_iterations + 1):
+        for iteration in range(1, min(self.newton.options.max_iterations, 2 * self.options.wanted) + 1):
             try:
                 r, phi = self._linearise(new, before)
                 if not np.isfinite(r).all():
@@ -151,13 +180,17 @@ class _Path:
             before = new.copy()
             new.u, new.lam, new.factor = new.u + du, new.lam + dlam_r + df * dlam_f, new.factor + df
             self.statistics.newton_iterations += 1
-            contraction = size / last
+            contraction = size / last if np.isfinite(last) else 0.5
             if not np.isfinite(size) or size > 1e6:
                 return iteration, None
             if contraction < 1 and size * contraction / (1 - contraction) <= self.newton.options.tolerance:
-                return iteration, new
+                return iteration, new if self._turns_gently(new.u - point.u, dfactor * direction) else None
             last = size
         return iteration, None
+
+    def _turns_gently(self, moved: Floats, predicted: Floats) -> bool:
+        """Whether a step keeps within 60 degrees of the tangent; a sharper turn is another branch, or a path cut short."""
+        return float(self.metric @ (moved * predicted)) >= 0.5 * self.length(moved, 0.0) * self.length(predicted, 0.0)
 
     def _linearise(self, point: Point, before: Point) -> tuple[Floats, Floats]:
         previous = self.equations.coordinates(before) if self.newton.options.extrapolate else None
