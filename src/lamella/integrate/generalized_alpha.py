@@ -127,8 +127,8 @@ class GeneralizedAlphaStepper(Stepper):
         """Local error relative to the tolerance, from the change of the algorithmic acceleration.
 
         The first term that the update of q leaves out is (beta - 1/6) dt^2 (a' - a) (Zienkiewicz and Xie 1991). In modes much
-        faster than the step it is large although they hardly move, so it is filtered by (alpha_a M + K)^-1 alpha_a M, which keeps slow
-        modes and shrinks fast ones, as Shampine's filter does for stiff equations (Hairer and Wanner 1996, section IV.8).
+        faster than the step it is large although they hardly move, so it is filtered by (alpha_a M + K)^-1 alpha_a M, which keeps
+        slow modes and shrinks fast ones, as Shampine's filter does for stiff equations (Hairer and Wanner 1996, section IV.8).
         """
         local = (self.beta - 1.0 / 6.0) * dt**2 * change
         inertia = weights.alpha_a * self.equations.inertia_force(local)
