@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 INTERVAL = 0.1
 """Shortest time between two updates [s]: drawing must cost nothing beside a step of a millisecond."""
 
-SHARE = 0.1
-"""Share of the way between two plain lines."""
+LINES = 10
+"""Plain lines over the whole way."""
 
 
 class ProgressBar:
@@ -46,7 +46,7 @@ class ProgressBar:
         self._step = 0.0
         self._begun: float | None = None
         self._shown = 0.0
-        self._next_share = SHARE
+        self._lines = 0
         self._bar, self._task = self._rich_bar() if self._stream.isatty() else (None, None)
 
     def _rich_bar(self) -> tuple[Any, Any]:
@@ -76,8 +76,8 @@ class ProgressBar:
         self._shown = now
         if self._bar is not None:
             self._bar.update(self._task, completed=self.share, text=self.text())
-        elif self.share >= self._next_share:
-            self._next_share = (self.share // SHARE + 1) * SHARE
+        elif (lines := int(self.share * LINES + 1e-9)) > self._lines:
+            self._lines = lines
             elapsed = self._elapsed()
             to_go = elapsed * (1.0 / self.share - 1.0)
             print(

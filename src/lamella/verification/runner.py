@@ -94,7 +94,7 @@ def find_cases(names: Sequence[str] = (), folder: Path = FOLDER, package: str = 
     for name in chosen:
         if name not in cases:
             near = difflib.get_close_matches(name, cases, 1)
-            hint = f"; did you mean '{near[0]}'?" if near else ""
+            hint = f"; did you mean '{near[0]}'?" if near else "."
             raise ModelError(f"there is no verification case '{name}'{hint} There are: {', '.join(cases) or 'none'}")
     return [cases[name] for name in chosen] if chosen else list(cases.values())
 
