@@ -60,6 +60,14 @@ class Model:
         """Number of Lagrange multipliers."""
         return sum(block.n_lam for block in self.constraints)
 
+    def describe(self, coordinate: int) -> str:
+        """A coordinate in words, for messages."""
+        vector, component = divmod(coordinate, 3)
+        for plate in self.plates:
+            if plate.first <= vector < plate.first + len(plate.is_position):
+                return f"{'xyz'[component]} of {plate.describe(vector)}"
+        return f"coordinate {coordinate}"
+
     @classmethod
     def from_build(cls, build: Build, description: Any = None) -> Model:
         """Freeze a build.

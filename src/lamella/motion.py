@@ -11,6 +11,7 @@ from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.model import Model
+from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
@@ -38,6 +39,7 @@ def simulate(
     initial: State | None = None,
     frames: int = 100,
     sinks: Sequence[Sink] = (),
+    progress: bool = False,
     solver: Method = "auto",
     on_failure: str = "raise",
 ) -> Result:
@@ -50,7 +52,8 @@ def simulate(
         t_start: time of the initial state [s].
         initial: positions and velocities to start from, for example ``equilibrium(...).final``; the reference otherwise.
         frames: number of equally spaced configurations kept for pictures.
-        sinks: receive the solution while it runs (result file, progress bar).
+        sinks: receive the solution while it runs, for example a result file.
+        progress: show a progress bar with the time to go.
         solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.
         on_failure: ``raise`` a :class:`ConvergenceError` that holds the partial result, or ``return`` it with its outcome.
 
@@ -71,6 +74,8 @@ def simulate(
     linear = linear_solver(equations.matrix.pattern, solver)
     make_consistent(equations, point, linear)
     statistics.seconds_compile = time.perf_counter() - began
+    if progress:
+        sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
     recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
     state = equations.state(point)
     stepper.restart(point)

@@ -12,6 +12,7 @@ from lamella.assembly.point import STATIC, Point
 from lamella.dofs import Signal
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.model import Model
+from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.arc_length import ArcLength
@@ -31,6 +32,7 @@ def equilibrium(
     newton: Newton = STATIC_NEWTON,
     smallest_step: float = 1e-4,
     sinks: Sequence[Sink] = (),
+    progress: bool = False,
     solver: Method = "auto",
     on_failure: str = "raise",
 ) -> Result:
@@ -46,6 +48,7 @@ def equilibrium(
         newton: how each step is solved.
         smallest_step: load step below which the solution is given up.
         sinks: receive the solution while it runs.
+        progress: show a progress bar.
         solver: name of the linear solver.
         on_failure: ``raise`` or ``return`` the partial result.
 
@@ -58,7 +61,7 @@ def equilibrium(
     """
     factors = _checked_steps(steps)
     run = _Run(system, t, newton, solver)
-    run.open(factors[-1], sinks)
+    run.open(factors[-1], sinks, ProgressBar("statics", 0.0, factors[-1], "", run.statistics) if progress else None)
     outcome = run.guarded(lambda: _climb(run, factors, smallest_step), factors[-1])
     return run.close(outcome, on_failure)
 
@@ -71,6 +74,7 @@ def equilibrium_path(
     arc: ArcLength | None = None,
     newton: Newton = STATIC_NEWTON,
     sinks: Sequence[Sink] = (),
+    progress: bool = False,
     solver: Method = "auto",
     on_failure: str = "raise",
 ) -> Result:
@@ -83,6 +87,7 @@ def equilibrium_path(
         arc: step control; see :class:`lamella.solve.arc_length.ArcLength`.
         newton: tolerance and iterations of each step.
         sinks: receive the solution while it runs.
+        progress: show a progress bar.
         solver: name of the linear solver.
         on_failure: ``raise`` or ``return`` the partial result.
 
@@ -90,8 +95,8 @@ def equilibrium_path(
         Signals over the path, among them ``load_factor``.
     """
     run = _Run(system, t, newton, solver, single=False)
-    run.open(until, sinks)
     arc = arc or ArcLength()
+    run.open(until, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
     outcome = run.guarded(lambda: arc.follow(run.equations, run.newton, run.point, until, run.record, run.statistics), until)
     return run.close(outcome, on_failure)
 
@@ -125,6 +130,8 @@ def _climb(run: _Run, factors: Sequence[float], smallest: float) -> Outcome:
             largest, good = 0.5 * step, 0
             if largest < smallest:
                 detail = f"load step {step:.1e}; {report.detail}"
+                if report.cause is Cause.NOT_CONVERGED:
+                    detail += "; the load cannot be carried from here: lower it, or pass a limit point with equilibrium_path"
                 return Outcome(report.cause, run.point.factor, factors[-1], detail)
     return Outcome(Cause.COMPLETED, run.point.factor, factors[-1])
 
@@ -145,10 +152,12 @@ class _Run:
         self.point = self.equations.start(t, factor=0.0, at_rest=True)
         self.axis = "load_factor" if single else "path"
 
-    def open(self, until: float, sinks: Sequence[Sink]) -> None:
+    def open(self, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
         """Prepare to record, from the unloaded state on."""
         factor = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
-        self.recorder = Recorder([factor, *system_signals(self.equations)], self.axis, 0.0, until, sinks=sinks)
+        self.recorder = Recorder(
+            [factor, *system_signals(self.equations)], self.axis, 0.0, until, sinks=(bar, *sinks) if bar else sinks
+        )
         self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began
 

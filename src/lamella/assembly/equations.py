@@ -115,6 +115,13 @@ class Equations:
         ahead.factor += step
         return (self.residual(ahead)[0] - self.residual(point)[0]) / step
 
+    def describe(self, unknown: int) -> str:
+        """An independent coordinate, or a multiplier counted after them, in words."""
+        if unknown < self.n_u:
+            return self.model.describe(int(self.elimination.independent[unknown]))
+        blocks = [block.name for block in self.model.constraints for _ in range(block.n_lam)]
+        return f"the multiplier of '{blocks[unknown - self.n_u]}'"
+
     def state(self, point: Point) -> State:
         """All coordinates, velocities, accelerations and the reactions of the eliminated constraints."""
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)

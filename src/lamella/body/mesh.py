@@ -60,6 +60,12 @@ class PlateMesh:
         """Number of a nodal vector, by the node's number and the vector's name."""
         return self.first + self.element.vectors_per_node * node + self.element.vector_names.index(name)
 
+    def describe(self, vector: int) -> str:
+        """A nodal vector of this plate in words, by its number."""
+        node, place = divmod(vector - self.first, self.element.vectors_per_node)
+        j, i = divmod(node, self.nx + 1)
+        return f"{self.element.vector_names[place]} at node ({i}, {j}) of plate '{self.name}'"
+
     def find(self, x: float, y: float) -> tuple[int, float, float]:
         """Element and its coordinates xi, eta in [0, 1] of a point of the plate."""
         i, j = min(int(x / self.lx), self.nx - 1), min(int(y / self.ly), self.ny - 1)

@@ -98,7 +98,7 @@ class NewtonSolver:
                 du, dlam = self.linear.solve(-r, -phi)
             except SingularSystemError as error:
                 self.forget()
-                return NewtonReport(Cause.SINGULAR, iteration, last, str(error))
+                return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
             size = self.size(du)
             if not np.isfinite(size):
@@ -134,6 +134,12 @@ class NewtonSolver:
             self.statistics.factorisations += 1
             self._factored_for = weights
         return r, phi
+
+    def _free(self, error: SingularSystemError) -> str:
+        """What is free, in words."""
+        if error.index is None:
+            return str(error)
+        return f"nothing holds {self.equations.describe(error.index)}: a body or mechanism can move freely; add a support"
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
         point.u += weights.alpha_q * du
