@@ -79,7 +79,7 @@ def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: in
     singular and the elastic modes drown in rounding. They are then computed again with a shift of the elastic modes' order.
     """
     scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
-    K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), J @ scale
+    K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
     count = min(n + RIGID_MODES, len(magnitude) - len(J.indptr))
     values, vectors = _nearest(K, M, J, count, -1e-3 * _typical(K, M))
     largest = np.abs(values).max()
@@ -91,7 +91,7 @@ def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: in
 
 def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, shift: float) -> tuple[Floats, Floats]:
     """The ``n`` eigenvalues nearest to a shift below them, on the null space of J."""
-    n_u, n_lam = M.shape[0], len(J.indptr) - 1
+    n_u, n_lam = len(M.indptr) - 1, len(J.indptr) - 1
     matrix = K - shift * M
     saddle = sparse.block_array([[matrix, J.T], [J, None]], format="csc") if n_lam else matrix
     try:
@@ -106,7 +106,8 @@ def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: i
 
     operator: Any = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
     start = inverse(M @ np.ones(n_u))
-    return linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
+    values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
+    return np.asarray(values), np.asarray(vectors)
 
 
 def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
