@@ -7,9 +7,12 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from lamella.errors import DeclarationError
+
+if TYPE_CHECKING:
+    from lamella.roles import Floats
 
 Kind = Literal["relative", "absolute", "at most", "at least"]
 KEYS = {"value", "tolerance", "kind", "unit", "source", "reason", "at"}
@@ -109,7 +112,7 @@ class References:
         """The computed ``value`` against the reference of ``quantity``."""
         return self._check(quantity, self._entry(quantity)["value"], value, quantity)
 
-    def checks(self, quantity: str, values: Sequence[float]) -> Iterator[Check]:
+    def checks(self, quantity: str, values: Sequence[float] | Floats) -> Iterator[Check]:
         """Computed values against a list of references; each check is named ``quantity at abscissa``."""
         entry = self._entry(quantity)
         places = entry.get("at", range(1, len(entry["value"]) + 1))
