@@ -1,0 +1,132 @@
+"""The examples as a user runs them: shortened in every test run, whole among the slow tests."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import lamella as lm
+from lamella.examples import examples
+from lamella.io.model_file import read_model
+from lamella.io.results import read_result
+
+Command = Callable[..., subprocess.CompletedProcess[str]]
+BRIEF = ("--set", "output.animation=false", "--set", "output.paraview=false", "--set", "output.frames=4")
+
+
+@pytest.fixture
+def run(here: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[dict[str, Any]]]:
+    """Run an example into ``out`` and return its findings."""
+    monkeypatch.setenv("LAMELLA_RENDERER", "matplotlib")
+
+    def findings(name: str, *words: str) -> list[dict[str, Any]]:
+        done = here("run", name, "--out", "out", "--quiet", *words)
+        assert done.returncode == 0, done.stderr
+        return json.loads((tmp_path / "out" / "findings.json").read_text("utf-8"), parse_constant=pytest.fail)
+
+    return findings
+
+
+def check_shape(findings: list[dict[str, Any]]) -> None:
+    for finding in findings:
+        assert set(finding) == {"finding", "agrees", "numbers", "comment"}
+        assert finding["finding"].endswith(".")
+        assert isinstance(finding["agrees"], bool)
+        assert finding["numbers"]
+        assert all(isinstance(value, str) or math.isfinite(value) for value in finding["numbers"].values())
+
+
+def static_height(name: str, *overrides: str) -> float:
+    """z of C at rest [m], computed without the study."""
+    system = read_model(examples()[name].model, overrides).system
+    return float(lm.equilibrium(system)["C.position"].sel(component="z"))
+
+
+def test_the_examples_are_listed_with_their_titles() -> None:
+    known = examples()
+    assert {"cantilever-plate", "corner-pinned-plate"} <= set(known)
+    for example in known.values():
+        assert read_model(example.model).title == example.title
+        assert (example.folder / "README.md").is_file()
+
+
+def test_cantilever_plate_in_short(run, tmp_path: Path) -> None:
+    coarse = "system.plate.mesh=[3, 3]"
+    findings = run("cantilever-plate", "--set", coarse, "--set", "analysis.swing.t_end=60 ms", *BRIEF)
+    check_shape(findings)
+    small, same, own = findings  # other programs computed the unchanged model, so they are left out here
+    out = tmp_path / "out"
+
+    exact = static_height("cantilever-plate", coarse)
+    linear = static_height("cantilever-plate", coarse, "system.plate.strain=linear")
+    expected = 100.0 * (linear / exact - 1.0)
+    assert small["numbers"]["theory's excess at rest, 10 N [%]"] == pytest.approx(expected, abs=0.06)  # three digits are given
+    assert small["numbers"]["theory's excess at rest, 20 N [%]"] > small["numbers"]["theory's excess at rest, 10 N [%]"] > 10.0
+    assert own["numbers"]["static z_C, 10 N, 3x3 [m]"] == pytest.approx(exact, rel=1e-4)  # five digits are given
+
+    assert not any("period" in name for name in same["numbers"])  # none fits into 60 ms
+    assert same["agrees"]  # by the natural frequencies at rest
+
+    assert {path.stem for path in (out / "pictures").iterdir()} == {"deflection", "static", "period", "energy", "shape"}
+    assert {path.name for path in out.iterdir() if path.is_dir()} == {"pictures", "10N", "20N", "10N-linear", "20N-linear"}
+    swing = read_result(out / "20N" / "swing" / "run.h5")
+    assert swing.outcome.completed
+    assert swing.at[-1] == pytest.approx(0.06)
+    assert all(finding["finding"].split("'")[0] in (out / "report.html").read_text("utf-8") for finding in findings)
+
+
+def test_corner_pinned_plate_in_short(run, tmp_path: Path) -> None:
+    findings = run("corner-pinned-plate", "--set", "analysis.swing.t_end=20 ms", "--no-pictures", *BRIEF)
+    check_shape(findings)
+    limit, posed, _ = findings
+
+    # Published values of another code with the same element: -3.446, -3.569, -3.671 mm on 6x6, 12x12, 24x24 (four digits).
+    assert not limit["agrees"]
+    assert limit["numbers"]["change of static z_C, 6x6 to 12x12, 2 N [%]"] == pytest.approx(100 * (3.569 / 3.446 - 1), abs=0.05)
+    assert limit["numbers"]["change of static z_C, 12x12 to 24x24, 2 N [%]"] == pytest.approx(100 * (3.671 / 3.569 - 1), abs=0.05)
+    # Mean of three programs that agree to 0.4 %.
+    assert posed["agrees"]
+    assert posed["numbers"]["static z_C, 24x24, 2 N [m]"] == pytest.approx(-0.00926, rel=4e-3)
+    assert posed["numbers"]["static z_C, 24x24, 10 N [m]"] == pytest.approx(-0.0436, rel=4e-3)
+
+    out = tmp_path / "out"
+    names = {f"{force}N-mesh-{n}x{n}" for force in (2, 10) for n in (4, 6, 8)}
+    assert {path.name for path in out.iterdir() if path.is_dir()} == names
+    assert not list(out.rglob("*.png")) + list(out.rglob("*.html"))
+
+
+@pytest.mark.slow
+def test_cantilever_plate_whole(run, tmp_path: Path) -> None:
+    findings = run("cantilever-plate")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 4
+    small, same, others, _ = (finding["numbers"] for finding in findings)
+    assert small["theory's excess in the largest, 10 N [%]"] == pytest.approx(22.1, abs=0.5)
+    assert small["theory's excess in the mean, 20 N [%]"] == pytest.approx(26.4, abs=0.5)
+    assert same["period, 10 N [s]"] == pytest.approx(0.854, abs=0.006)  # four programs on finer meshes: 0.854(3) s
+    assert 0.0 < same["change of it [%]"] < 3.0
+    assert others["largest difference [%]"] < 1.5  # their own meshes and steps differ by as much
+    assert (tmp_path / "out" / "20N" / "swing" / "animation.gif").is_file()
+    assert (tmp_path / "out" / "10N" / "swing" / "surface.vtkhdf").is_file()
+    assert (tmp_path / "out" / "report.html").stat().st_size > 1e6
+
+
+@pytest.mark.slow
+def test_corner_pinned_plate_whole(run) -> None:
+    findings = run("corner-pinned-plate")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True, False, True, True]
+    equal, _, _, rising = (finding["numbers"] for finding in findings)
+    # Four digits are published of CalculiX on 8x8 and of another code with this element on 6x6.
+    assert equal["here 36 against CalculiX 64, 2 N [%]"] == pytest.approx(100 * (3.446 / 3.432 - 1), abs=0.05)
+    assert equal["here 36 against CalculiX 64, 10 N [%]"] == pytest.approx(100 * (7.215 / 7.218 - 1), abs=0.05)
+    assert rising["first natural frequency, unloaded [Hz]"] == pytest.approx(1.1497, rel=1e-3)  # converged value of other codes
+    # The window resolves 2 Hz; peaks of so few periods are good to a tenth of a hertz.
+    assert rising["largest peak of the spectrum of z_C, 2 N [Hz]"] == pytest.approx(2.75, abs=0.1)
+    assert rising["largest peak of the spectrum of z_C, 10 N [Hz]"] == pytest.approx(5.06, abs=0.1)
