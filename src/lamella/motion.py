@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 
@@ -129,7 +130,7 @@ class _March:
         dt = self.integrator.dt
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
-            count = max(1, round(remaining / dt)) if remaining < 1.5 * dt else 0
+            count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
             trial = remaining / count if count else dt
             if count == 1 and stop < self.t_end:
                 trial *= 1.0 - BEFORE_JUMP

@@ -28,6 +28,7 @@ class Cause(enum.Enum):
     COMPLETED = "completed"
     NOT_CONVERGED = "Newton's iteration did not converge at the smallest step allowed"
     NOT_FINITE = "a force or coordinate is not a finite number"
+    INACCURATE = "the local error exceeds its tolerance at the smallest step allowed"
     SINGULAR = "the system matrix is singular"
     STEP_LIMIT = "the largest number of steps was reached"
     INTERRUPTED = "interrupted by the user"
