@@ -1,0 +1,57 @@
+"""Kelvin-Voigt damping takes energy from vibration and none from rigid rotation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+import lamella as lm
+from lamella.state import State
+from lamella.verification import Check, References
+
+slow = False
+
+LAYUP = lm.Laminate(lm.Isotropic(E=2e9, nu=0.0, rho=1200.0), thickness=0.02)
+C = 2e-4
+SPIN = 10.0
+
+
+def decay_rate() -> tuple[float, float]:
+    """Decay rate of a cantilever's first mode over ten periods, and c omega^2 / 2 [1/s]."""
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.2), (4, 1), LAYUP, damping=C))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    modes = lm.modes(system, 1)
+    omega = 2 * np.pi * modes.frequencies[0]
+    v = omega * (modes.displaced(0, 1e-3) - modes.state)
+    start = State(0.0, modes.state.copy(), v, 0.0 * v, np.zeros(0), np.zeros(0))
+    end = 10 * 2 * np.pi / omega
+    result = lm.simulate(system, end, lm.GeneralizedAlpha(dt=1e-3, rho_inf=1.0), initial=start)
+    energy = result["energy.kinetic"].values + result["energy.strain"].values
+    return 0.5 * np.log(energy[0] / energy[-1]) / end, 0.5 * C * omega**2
+
+
+def spin(dt: float) -> tuple[float, float, float]:
+    """Free spin of a damped plate for 1 s: relative change of angular momentum and heat, both and in the second half [-]."""
+    system = lm.System()
+    system.add(lm.Plate("plate", (1.0, 0.2), (4, 1), LAYUP, damping=1e-3, angular_velocity=(0, 0, SPIN)))
+    model = system.compile()
+    options = lm.GeneralizedAlpha(dt=dt, rho_inf=1.0, newton=lm.Newton(tolerance=1e-10))
+    result = lm.simulate(model, 1.0, options)
+    H = [np.cross(q.reshape(-1, 3), (model.mass @ v).reshape(-1, 3)).sum(axis=0)[2] for q, v in
+         ((model.q0, model.v0), (result.final.q, result.final.v))]  # fmt: skip
+    heat, kinetic = result["work.dissipated"].values, result["energy.kinetic"].values[0]
+    return abs(H[1] / H[0] - 1), heat[-1] / kinetic, (heat[-1] - heat[len(heat) // 2]) / kinetic
+
+
+def run() -> Iterator[Check]:
+    """Yield the checks of this case."""
+    references = References.beside(__file__)
+    rate, expected = decay_rate()
+    yield Check("decay rate of the first mode", rate, expected, 1e-3, source="c omega^2 / 2", unit="1/s")
+    coarse, fine = spin(1e-3), spin(5e-4)
+    yield references.check("change of angular momentum in free spin", fine[0])
+    yield references.check("observed order of that change", np.log2(coarse[0] / fine[0]))
+    yield references.check("heat of setting out", fine[1])
+    yield references.check("heat in the second half of the spin", fine[2])
