@@ -31,7 +31,8 @@ class Clamp(Declaration):
     motion: dict[str, Profile] = Field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        check_axes(self, "".join(self.motion))
+        if self.motion:
+            check_axes(self, "".join(self.motion))
 
     def contribute(self, build: Build) -> None:
         """Hold all coordinate vectors of the edge, or position and slopes of the point."""
@@ -44,10 +45,10 @@ class Clamp(Declaration):
 
 
 def check_axes(item: Declaration, axes: str) -> None:
-    """Refuse anything but distinct letters x, y, z."""
+    """Refuse anything but distinct letters x, y, z, at least one."""
     from lamella.errors import DeclarationError
 
-    if len(set(axes)) != len(axes) or not set(axes) <= set(AXES):
+    if not axes or len(set(axes)) != len(axes) or not set(axes) <= set(AXES):
         raise DeclarationError(
             f"{type(item).__name__} '{item.name}'", f"axes '{axes}'", "accepted are distinct letters of x, y and z, such as 'xz'"
         )

@@ -7,8 +7,9 @@ from lamella.roles import ForceBlock
 
 
 def add_load(build: Build, block: ForceBlock, profile: Motion) -> None:
-    """Add the block of a load and record its factor p(t), times the load factor of statics, as ``<name>.factor``."""
+    """Add the block of a load and the jumps of its profile, and record its factor p(t), times the load factor of statics, as ``<name>.factor``."""
     build.loads.append(block)
+    build.breakpoints.extend(profile.breakpoints)
     build.signals.append(
         Signal(f"{block.name}.factor", "1", (), lambda state: profile.value(state.t) * state.factor, f"factor of {block.name}")
     )

@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.state import State
 from lamella.verification import Check, References
-from lamella.verification.distance_joint.case import G, HEIGHT, RHO, ROD, THICKNESS, WIDTH
+from lamella.verification.distance_joint.case import HEIGHT, RHO, ROD, THICKNESS, WIDTH, G
 
 slow = False
 
