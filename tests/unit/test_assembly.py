@@ -143,7 +143,7 @@ def test_elimination_is_a_congruence_of_the_free_matrix(model, equations):
     loose = free.start(T)
     loose.u, loose.ud, loose.udd = equations.coordinates(point), equations.velocities(point), equations.accelerations(point)
     loose.lam = point.lam.copy()
-    T_dense = equations.T.toarray()
+    T_dense = equations.elimination.T.toarray()
     for weights in PARTS.values():
         whole, J_whole = dense(free, loose, weights)
         K, J = dense(equations, point, weights)
