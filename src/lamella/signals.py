@@ -42,8 +42,9 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
 
     def torque(state: State) -> Floats:
         x = state.q.reshape(-1, 3)
-        arms = x[vectors] - np.outer(is_position, support.centre.at(x))
-        return np.cross(arms, on_vectors(state)).sum(axis=0)
+        a = (x[vectors] - np.outer(is_position, support.centre.at(x))).T
+        f = on_vectors(state).T
+        return np.array([a[1] @ f[2] - a[2] @ f[1], a[2] @ f[0] - a[0] @ f[2], a[0] @ f[1] - a[1] @ f[0]])
 
     about = "about its centre"
     return [
