@@ -57,8 +57,8 @@ def explain(error: ErrorDetails) -> tuple[str, str]:
     context = error.get("ctx", {})
     kind, value = error["type"], error.get("input")
     cause = context.get("error")
-    if isinstance(cause, DeclarationError):
-        return (f"{place}: {cause.problem}" if place else cause.problem), cause.accepted
+    if isinstance(cause, DeclarationError) and not place:
+        return cause.problem, cause.accepted
     if isinstance(cause, LamellaError):
         return f"{place} = {value!r}" if place else str(cause), str(cause) if place else ""
     if kind in LIMITS:
