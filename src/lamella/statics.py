@@ -102,7 +102,7 @@ def equilibrium_path(
 
 
 def _checked_steps(steps: Sequence[float] | int) -> list[float]:
-    factors = [float(s) for s in (np.linspace(0.0, 1.0, steps + 1)[1:] if isinstance(steps, int) else steps)]
+    factors = [float(s) for s in (np.linspace(0.0, 1.0, max(steps, 0) + 1)[1:] if isinstance(steps, int) else steps)]
     if not factors or not np.isfinite(factors).all() or np.any(np.diff([0.0, *factors]) <= 0):
         raise DeclarationError(
             "equilibrium", f"steps = {steps}", "accepted is a positive number of steps or ascending factors above 0"

@@ -1,4 +1,4 @@
-"""Every support and joint of the package keeps the same rules: it holds what it says, its derivatives are exact, its reactions balance."""
+"""Every support and joint keeps the same rules: it holds what it says, its derivatives are exact, its reactions balance."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
 SIZE, PLACE, TURN = (1.2, 0.9), (0.4, -0.2, 0.3), (0.1, -0.3, 0.7)
 DRIVE = lm.Harmonic(amplitude=0.02, frequency=4.0)
 LOAD = (12.0, -7.0, 20.0)
-OTHERS = "held elsewhere"
 
 
 def make_plate():

@@ -7,7 +7,10 @@ from lamella.roles import ForceBlock
 
 
 def add_load(build: Build, block: ForceBlock, profile: Motion) -> None:
-    """Add the block of a load and the jumps of its profile, and record its factor p(t), times the load factor of statics, as ``<name>.factor``."""
+    """Add the block of a load and the jumps of its profile.
+
+    Its factor p(t), times the load factor of statics, is recorded as ``<name>.factor``.
+    """
     build.loads.append(block)
     build.breakpoints.extend(profile.breakpoints)
     build.signals.append(
