@@ -20,7 +20,7 @@ from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
 from lamella.system import System
 
-STATIC_NEWTON = Newton(keep=0.0)
+STATIC_NEWTON = Newton(keep=0.0, line_search=True)
 """Newton's method proper: far from the solution a kept factorisation gains nothing."""
 
 

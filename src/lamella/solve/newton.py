@@ -18,6 +18,10 @@ from lamella.solve.base import LinearSolver
 from lamella.units import Positive
 
 
+HALVINGS = 5
+"""Halvings of a correction in one line search."""
+
+
 @declaration
 class Newton:
     """How equations are solved.
@@ -29,7 +33,7 @@ class Newton:
         tolerance: error accepted [-].
         max_iterations: iterations before giving up.
         keep: contraction up to which a factorisation is used again, 0 for Newton's method proper.
-        line_search: shorten a correction along which the residual's work grows; for statics far from equilibrium.
+        line_search: once corrections grow, halve one that the next would outgrow (natural monotonicity test).
         extrapolate: take the stress of the geometric stiffness from the previous iterate's linear extrapolation
             (Magisano, Leonetti and Garcea 2017); fewer iterations, same result.
     """
@@ -110,7 +114,8 @@ class NewtonSolver:
                 last = np.inf
                 continue
             previous = self.equations.coordinates(point) if self.options.extrapolate else None
-            step = self._searched(point, weights, du, dlam, r) if self.options.line_search else 1.0
+            growing = self.options.line_search and contraction >= 1.0
+            step = self._searched(point, weights, du, dlam) if growing else 1.0
             self._move(point, weights, step * du, step * dlam)
             self.statistics.newton_iterations += 1
             if contraction < 1.0 and step == 1.0 and size * contraction / (1.0 - contraction) <= self.options.tolerance:
@@ -147,21 +152,23 @@ class NewtonSolver:
         point.udd += weights.alpha_a * du
         point.lam += dlam
 
-    def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats, r: Floats) -> float:
-        """A step length s for which the residual's work du . r(s) does not exceed that at the start; at most 4 trials.
+    def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> float:
+        """A step length s that passes the natural monotonicity test (Deuflhard 2004, section 3.3).
 
-        Membrane stress grows with the square of a rotation, so a full step may overshoot by orders of magnitude; secant steps on
-        the work find the valley (Crisfield 1991, section 9.2).
+        The correction that the same factorisation gives at the trial point must be smaller than ``du``. The residual itself is a poor
+        judge: the membrane stress of a thin plate grows with the square of a rotation, so its residual rises by orders of magnitude
+        along a step that leads straight to the solution.
         """
-        start, low, low_work = float(du @ r), 0.0, float(du @ r)
-        step = 1.0
-        for _ in range(4):
+        step, allowed = 1.0, self.size(du)
+        for _ in range(HALVINGS):
             trial = point.copy()
             self._move(trial, weights, step * du, step * dlam)
-            work = float(du @ self.equations.residual(trial)[0])
+            r, phi = self.equations.residual(trial)
             self.statistics.residuals += 1
-            if np.isfinite(work) and abs(work) <= 0.8 * abs(start):
-                return step
-            guess = low + (step - low) * low_work / (low_work - work) if np.isfinite(work) and low_work != work else 0.0
-            step = min(max(guess, 0.1 * step), 0.9 * step)
+            if np.isfinite(r).all():
+                next_du, _ = self.linear.solve(-r, -phi)
+                self.statistics.solves += 1
+                if self.size(next_du) <= (1.0 - 0.25 * step) * allowed:
+                    break
+            step *= 0.5
         return step
