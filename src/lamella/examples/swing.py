@@ -101,7 +101,7 @@ def meshes(study: Study, sizes: Sequence[int]) -> list[tuple[int, int]]:
     """The square meshes of a study; only the given one when the user has chosen a mesh."""
     if not any(text.startswith(MESH) for text in study.overrides):
         return [(n, n) for n in sizes]
-    return [tuple(body.mesh) for body in study.read().system.declarations if isinstance(body, Plate)]
+    return [(body.mesh[0], body.mesh[1]) for body in study.read().system.declarations if isinstance(body, Plate)]
 
 
 def mesh(elements: tuple[int, int]) -> str:

@@ -54,7 +54,8 @@ def spectrum(t: Floats, z: Floats, *, padding: int = 16) -> tuple[Floats, Floats
     """
     window = np.hanning(len(z))
     amplitudes = 2.0 * np.abs(np.fft.rfft((z - z.mean()) * window, padding * len(z))) / window.sum()
-    return np.fft.rfftfreq(padding * len(z), float(t[1] - t[0])), amplitudes
+    frequencies = np.arange(len(amplitudes)) / (padding * len(z) * float(t[1] - t[0]))
+    return frequencies, np.asarray(amplitudes, float)
 
 
 def dominant_frequency(t: Floats, z: Floats) -> float:

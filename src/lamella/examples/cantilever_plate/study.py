@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 FORCES = (10, 20)
 LENGTH = 1.5
-LOAD_STEPS = (*np.geomspace(0.002, 0.05, 8)[:-1].tolist(), *np.linspace(0.05, 1.0, 20).tolist())
-"""Parts of the largest force at which the static deflection is computed; dense where the plate begins to stiffen."""
+LOAD_STEPS = tuple(np.geomspace(0.001, 1.0, 40).tolist())
+"""Parts of the largest force at which the static deflection is computed; dense where it begins to stiffen."""
 CHECKED_UNTIL = 1.0
 """Time up to which the finer mesh is computed [s]."""
 
@@ -101,7 +101,7 @@ def small_deformation(
         }
     part, off = overrating(curve)
     for limit in (5, 10, 20):
-        numbers[f"theory {limit} % off at rest at deflection/length [%]"] = float(np.interp(limit, off, part))
+        numbers[f"deflection/length where theory is {limit} % off [%]"] = float(np.interp(limit, off, part))
     wrong = min(excess(linear[force].lowest, swing.lowest) for force, swing in exact.items())
     return Finding(
         "Once the deflection exceeds 10 % of the plate's size, the theory of small deformation no longer holds (fig. 4).",
