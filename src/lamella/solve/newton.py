@@ -17,7 +17,6 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.units import Positive
 
-
 HALVINGS = 5
 """Halvings of a correction in one line search."""
 
@@ -155,9 +154,9 @@ class NewtonSolver:
     def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> float:
         """A step length s that passes the natural monotonicity test (Deuflhard 2004, section 3.3).
 
-        The correction that the same factorisation gives at the trial point must be smaller than ``du``. The residual itself is a poor
-        judge: the membrane stress of a thin plate grows with the square of a rotation, so its residual rises by orders of magnitude
-        along a step that leads straight to the solution.
+        The correction that the same factorisation gives at the trial point must be smaller than ``du``. The residual itself is
+        a poor judge: the membrane stress of a thin plate grows with the square of a rotation, so its residual rises by orders of
+        magnitude along a step that leads straight to the solution.
         """
         step, allowed = 1.0, self.size(du)
         for _ in range(HALVINGS):
