@@ -17,7 +17,7 @@ from lamella.io.model_file import read_model
 from lamella.io.results import read_result
 
 Command = Callable[..., subprocess.CompletedProcess[str]]
-BRIEF = ("--set", "output.animation=false", "--set", "output.paraview=false", "--set", "output.frames=4")
+BRIEF = [word for key in ("animation", "paraview", "pictures", "report") for word in ("--set", f"output.{key}=false")]
 
 
 @pytest.fixture
