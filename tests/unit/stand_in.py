@@ -41,7 +41,7 @@ class QuadraticPlate:
         dot = lambda a, b: np.sum(a * b, axis=-1)  # noqa: E731
         eps = [0.5 * (dot(r_x, r_x) - 1), 0.5 * (dot(r_y, r_y) - 1), dot(r_x, r_y)]
         kap = [dot(at[2, 0], n), dot(at[0, 2], n), 2 * dot(at[1, 1], n)]
-        return PlateSample(x, y, at[0, 0], n, np.stack(eps + kap, axis=-1))
+        return PlateSample(self.laminate, x, y, at[0, 0], n, np.stack(eps + kap, axis=-1))
 
 
 def basis(s: Any, length: float) -> Any:
@@ -108,3 +108,16 @@ def result(plates: int = 1, frames: int = 10, scale: float = 1.0, axis: str = "t
     done = Result(model, recorder, state, Outcome(Cause.COMPLETED, 0.5, 0.5), Statistics(steps=100, seconds_run=0.1))  # type: ignore[arg-type]
     done.frame_v = np.array(velocities)  # type: ignore[attr-defined]
     return done
+
+
+def snap_through(points: int = 12) -> Result:
+    """A path whose load factor passes a limit point while the plate goes on bending."""
+    q0 = flat().reshape(-1)
+    model = SimpleNamespace(q0=q0, plates=(QuadraticPlate("plate0"),), description=None)
+    factor = Signal("load_factor", "1", (), lambda s: s.factor, "factor of loads and support motions")
+    recorder = Recorder((factor, *signals()), "path", 0.0, 1.0)
+    for k, t in enumerate(np.linspace(0.0, 0.25, points)):
+        zero, none = np.zeros_like(q0), np.empty(0)
+        state = State(0.0, swinging(q0, t), zero, zero, none, none, factor=float(np.sin(12 * t)))
+        recorder.sample(float(k), state)
+    return Result(model, recorder, state, Outcome(Cause.COMPLETED, 1.0, 1.0), Statistics(steps=points))  # type: ignore[arg-type]

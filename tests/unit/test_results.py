@@ -18,9 +18,12 @@ import xarray
 import lamella as lm
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
+from lamella.io.modes import mode_frames, read_modes, write_modes
 from lamella.io.results import ResultWriter, read_result, write_result
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.state import State
+from lamella.viz.fields import SurfaceSampler
+from lamella.viz.scene import picture
 
 N_Q = 6
 TEXT = '{"plates": {"wing": {"size": [1.5, 2.0]}}}'
@@ -118,7 +121,7 @@ def test_read_result_has_the_interface_of_a_result(written: Path) -> None:
     np.testing.assert_array_equal(stored.final.v, 2.0 * memory.frame_q[-1])
 
 
-@pytest.mark.parametrize("axis", ["time", "load_factor", "arc_length"])
+@pytest.mark.parametrize("axis", ["time", "load_factor", "path"])
 def test_saved_result_reads_back(tmp_path: Path, axis: str) -> None:
     memory = result_of(run(axis=axis))
     path = memory.save(tmp_path / "saved.h5")
@@ -273,3 +276,70 @@ def test_result_without_model_says_so(tmp_path: Path) -> None:
         _ = stored.model
     with pytest.raises(ResultFileError, match="holds no frame"):
         _ = stored.final
+
+
+@pytest.fixture(scope="module")
+def bent() -> Result:
+    """A strip bent by its tip load in two load steps."""
+    system = lm.System()
+    sheet = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=0.002)
+    strip = system.add(lm.Plate("strip", size=(1.0, 0.1), mesh=(2, 1), laminate=sheet))
+    system.add(lm.Clamp("root", strip.edge("x-")))
+    system.add(lm.PointForce("load", strip.marker("tip", 1.0, 0.05), (0, 0, -0.5)))
+    return lm.equilibrium(system, steps=2)
+
+
+def test_saved_solution_brings_back_its_model_fields_and_pictures(tmp_path: Path, bent: Result) -> None:
+    stored = read_result(bent.save(tmp_path / "bent.h5"))
+    assert [item.name for item in stored.model.description.declarations] == ["strip", "root", "load"]
+    assert list(stored.signals) == list(bent.signals)
+    for name in bent.signals:
+        xarray.testing.assert_identical(stored.history(name), bent.history(name))
+    np.testing.assert_array_equal(stored["load_factor"], 1.0)
+    np.testing.assert_array_equal(stored.model.q0, bent.model.q0)
+    for frame in (0, 2, None):
+        old, new = bent.plate("strip", frame), stored.plate("strip", frame)
+        for name in ("r", "n", "strains"):
+            np.testing.assert_array_equal(getattr(new, name), getattr(old, name))
+    shown = [picture(each, tmp_path / f"{k}.png", renderer="matplotlib", width=480) for k, each in enumerate((bent, stored))]
+    assert shown[0].read_bytes() == shown[1].read_bytes()
+    with xarray.open_dataset(tmp_path / "bent.h5", engine="h5netcdf", group="signals") as signals:
+        np.testing.assert_array_equal(signals.load_factor, [0.0, 0.5, 1.0])
+
+
+def test_writer_refuses_samples_of_other_signals(tmp_path: Path) -> None:
+    writer = ResultWriter(tmp_path / "run.h5", SIGNALS, "time", N_Q)
+    with pytest.raises(AssertionError, match="2 values for 3 signals"):
+        writer.sample(0.0, [np.zeros(3), np.zeros(1)])
+    writer.close(Outcome(Cause.COMPLETED, 0, 0), Statistics())
+
+
+def test_modes_are_stored_and_read_back(tmp_path: Path, bent: Result) -> None:
+    found = lm.modes(bent.model, 4, state=bent.final)
+    path = write_modes(found, tmp_path / "modes.h5", title="strip")
+    again = read_modes(path)
+    for name in ("frequencies", "shapes", "state"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    np.testing.assert_array_equal(again.model.q0, found.model.q0)
+    with xarray.open_dataset(path, engine="h5netcdf") as stored:
+        assert stored.shapes.dims == ("mode", "coordinate")
+        assert stored.frequency.sel(mode=1).item() == found.frequencies[0]
+        assert stored.frequency.attrs["units"] == "Hz"
+        assert stored.attrs["title"] == "strip"
+    with pytest.raises(ResultFileError, match="is not a result file"):
+        read_result(path)
+    with pytest.raises(ResultFileError, match="is not a file of modes"):
+        read_modes(bent.save(tmp_path / "bent.h5"))
+    with pytest.raises(ResultFileError, match="cannot be written"):
+        write_modes(found, tmp_path / "nowhere" / "modes.h5")
+
+
+def test_frames_of_modes_show_the_shape_about_its_state(bent: Result) -> None:
+    found = lm.modes(bent.model, 3, state=bent.final)
+    frames = mode_frames(found, 0.2, count=2)
+    assert frames.axis == "mode"
+    np.testing.assert_array_equal(frames.frame_at, [1, 2])
+    np.testing.assert_array_equal(frames.history("frequency"), found.frequencies[:2])
+    shot = SurfaceSampler(frames, 1).at(1)[0]  # grid points are the nodes
+    np.testing.assert_array_equal(shot.reference.r, bent.plate("strip", per_element=1).r)
+    assert np.linalg.norm(shot.displacement, axis=-1).max() == pytest.approx(0.2, rel=1e-12)

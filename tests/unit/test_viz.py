@@ -22,6 +22,7 @@ from lamella.study.findings import Finding
 from lamella.viz import renderer
 from lamella.viz.camera import VIEWS, fit_camera
 from lamella.viz.painter import Painter, refined
+from lamella.viz.path import plot_path
 from lamella.viz.plots import observed_order, plot_comparison, plot_convergence, plot_energy, plot_signals
 from lamella.viz.renderer import ColourScale, Sheet
 from lamella.viz.report import Figure, Section, Table, cell, write_report
@@ -73,9 +74,28 @@ def test_energy_plot_shows_terms_and_balance() -> None:
     assert labels[:3] == ["Kinetic energy", "Strain energy", "Work of the loads"]
     np.testing.assert_array_equal(upper.lines[1].get_ydata(), result.history("energy.strain"))
     np.testing.assert_array_equal(lower.lines[0].get_ydata(), result.history("energy.balance"))
-    texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert texts[-1] == "Zero: energy turned into heat by damping"
+    assert figure.get_supxlabel() == "Zero: energy turned into heat by damping"
     assert upper.get_ylabel() == "Energy [J]"
+
+
+def test_path_is_drawn_over_its_load_factor_and_its_load_factor_over_displacements(tmp_path: Path) -> None:
+    result = stand_in.snap_through()
+    factors = result.history("load_factor").values
+    assert np.any(np.diff(factors) < 0)  # beyond a limit point the load falls
+    figure = plot_path(result)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["C x", "y", "z"]
+    x, y = figure.axes[2].lines[0].get_data()
+    np.testing.assert_array_equal(x, result.history("C.position")[:, 2] - result.history("C.position")[0, 2])
+    np.testing.assert_array_equal(y, factors)
+    assert figure.axes[2].get_xlabel() == "Displacement [m]"
+    assert figure.axes[0].get_ylabel() == "Load factor [–]"
+    over = plot_signals(result, ["C.position.z"]).axes[0]
+    np.testing.assert_array_equal(over.lines[0].get_xdata(), factors)
+    assert over.get_xlabel() == "Load factor [–]"
+    sizes = [picture(result, tmp_path / f"{name}.png", at=(0, 5), renderer="matplotlib", width=480) for name in "ab"]
+    assert sizes[0].read_bytes() == sizes[1].read_bytes()
+    with pytest.raises(DeclarationError, match=r"no load factor or no position; recorded are C\.position"):
+        plot_path(stand_in.result())
 
 
 def test_comparison_draws_the_change_of_each_model_and_marks_early_ends() -> None:

@@ -50,11 +50,12 @@ def test_reader_finds_points_and_fields_of_each_frame(tmp_path: Path, plates: in
         from vtkmodules.util.numpy_support import vtk_to_numpy
 
         expected = np.concatenate([shot.now.r.reshape(-1, 3) for shot in shots])
-        np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), expected)
+        np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), expected.astype(np.float32))
         assert set(FIELDS) <= set(arrays)
         for name, field in FIELDS.items():
             values = np.concatenate([field.evaluate(shot).reshape(len(expected) // plates, -1) for shot in shots])
-            np.testing.assert_array_equal(arrays[name].reshape(len(expected), -1), values, err_msg=f"{name} at frame {frame}")
+            stored = arrays[name].reshape(len(expected), -1)
+            np.testing.assert_array_equal(stored, values.astype(np.float32), err_msg=f"{name} at frame {frame}")
 
 
 def test_cells_cover_each_plate_once(tmp_path: Path) -> None:
@@ -67,7 +68,8 @@ def test_cells_cover_each_plate_once(tmp_path: Path) -> None:
     area = np.linalg.norm(np.cross(r[:, 2] - r[:, 0], r[:, 3] - r[:, 1]), axis=1) / 2
     owner = vtk_to_numpy(grid.GetCellData().GetArray("plate"))
     for number in (0, 1):
-        assert area[owner == number].sum() == pytest.approx(3.0, rel=1e-12)  # 1.5 m x 2 m, flat at the first frame
+        # 1.5 m x 2 m, flat at the first frame; corners in single precision
+        assert area[owner == number].sum() == pytest.approx(3.0, rel=1e-6)
     assert np.all(np.cross(r[:, 1] - r[:, 0], r[:, 3] - r[:, 0])[:, 2] > 0)  # turned about the normal
 
 

@@ -8,7 +8,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from lamella.assembly.equations import Equations
 from lamella.declaration import declaration
+from lamella.dofs import Signal
 from lamella.errors import ModelError
 from lamella.integrate.base import Integrator
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
@@ -17,6 +19,7 @@ from lamella.model import Model
 from lamella.motion import simulate
 from lamella.result import Result, Sink
 from lamella.roles import Floats
+from lamella.signals import system_signals
 from lamella.solve.arc_length import ArcLength
 from lamella.solve.newton import Newton
 from lamella.state import State
@@ -25,6 +28,9 @@ from lamella.units import Number, Positive, Time
 
 Computed = Result | Modes
 Count = Annotated[int, Field(ge=1)]
+
+LOAD_FACTOR = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
+"""What static solutions sample before everything else."""
 
 
 class Analysis(ABC):
@@ -43,6 +49,15 @@ class Analysis(ABC):
     def span(self) -> tuple[float, float]:
         """Axis value at the start and at the end."""
         return 0.0, 1.0
+
+    @property
+    def target(self) -> float:
+        """Time [s] or load factor asked for."""
+        return self.span[1]
+
+    def signals(self, equations: Equations) -> list[Signal]:
+        """What it samples, in this order."""
+        return system_signals(equations)
 
     @abstractmethod
     def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Computed:
@@ -121,6 +136,9 @@ class Statics(Analysis):
     def span(self) -> tuple[float, float]:
         return 0.0, self.steps[-1] if isinstance(self.steps, tuple) and self.steps else 1.0
 
+    def signals(self, equations: Equations) -> list[Signal]:
+        return [LOAD_FACTOR, *system_signals(equations)]
+
     def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
         return equilibrium(
             model,
@@ -156,6 +174,13 @@ class Path(Analysis):
     def span(self) -> tuple[float, float]:
         return 0.0, float(self.arc.max_steps)
 
+    @property
+    def target(self) -> float:
+        return self.until
+
+    def signals(self, equations: Equations) -> list[Signal]:
+        return [LOAD_FACTOR, *system_signals(equations)]
+
     def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
         return equilibrium_path(
             model, t=self.time, until=self.until, arc=self.arc, newton=self.newton, sinks=sinks, on_failure="return"
@@ -189,7 +214,7 @@ class Output:
         signals: signals in the plots, such as ``tip.position.z``; positions and forces when left out.
         field: what colours the pictures, such as ``displacement`` or ``von_mises``.
         view: ``isometric``, ``front``, ``side``, ``top``, or the direction in which the camera looks.
-        at: times or load factors of the pictures; a few spread over the whole when left out.
+        at: times, load factors, or points of a path, of the pictures; a few spread over the whole when left out.
         scale: factor on the displacements in pictures.
         csv: write all signals as a table.
         paraview: write the moving surface for ParaView.

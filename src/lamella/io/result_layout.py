@@ -22,7 +22,8 @@ Node = Any
 
 FORMAT = "lamella result"
 FORMAT_VERSION = "1.0"
-AXIS_UNIT = {"time": "s", "load_factor": "1", "arc_length": "1"}
+AXIS_UNIT = {"time": "s", "load_factor": "1", "path": "1"}
+AXIS_NAME = {"load_factor": "factor of loads and support motions", "path": "number of the point on the equilibrium path"}
 VECTOR = ("x", "y", "z")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -65,8 +66,7 @@ def is_hdf5(path: Path) -> bool:
 def lay_out(root: Node, signals: Sequence[Signal], axis: str, n_q: int, *, model_text: str, title: str, target: float) -> None:
     """Write everything of a new file that is known before the first sample."""
     root.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "axis": axis, "title": title}))
-    root.attrs.update(plain({f"{package}_version": version for package, version in versions().items()}))
-    root.attrs.update(plain({"created": datetime.now(UTC).isoformat(timespec="seconds"), "model": model_text}))
+    root.attrs.update(plain({**origin(), "model": model_text}))
     write_outcome(root, "running", float("nan"), target, "")
     _lay_out_signals(root.create_group("signals", track_order=True), signals, axis)
     _lay_out_frames(root.create_group("frames"), axis, n_q)
@@ -106,6 +106,8 @@ def room_for(root: Node, n_samples: int, n_frames: int) -> int:
 def _lay_out_signals(group: Node, signals: Sequence[Signal], axis: str) -> None:
     at = _scale(group, axis, AXIS_UNIT.get(axis, "1"))
     for signal in signals:
+        if signal.name == axis:  # a static solution samples its load factor, which is already the axis
+            continue
         shape, limit = ((0,), (None,)) if not signal.labels else ((0, len(signal.labels)), (None, len(signal.labels)))
         dataset = group.create_dataset(signal.name, shape, "f8", maxshape=limit, chunks=(512, *shape[1:]))
         dataset.attrs.update(plain({"units": signal.unit, "long_name": signal.description or signal.name}))
@@ -129,7 +131,7 @@ def _lay_out_frames(group: Node, axis: str, n_q: int) -> None:
 
 def _scale(group: Node, axis: str, unit: str) -> Node:
     dataset = group.create_dataset(axis, (0,), "f8", maxshape=(None,), chunks=(1024,))
-    dataset.attrs.update(plain({"units": unit, "long_name": axis.replace("_", " ")}))
+    dataset.attrs.update(plain({"units": unit, "long_name": AXIS_NAME.get(axis, axis.replace("_", " "))}))
     dataset.make_scale(axis)
     return dataset
 
@@ -155,6 +157,12 @@ def append(dataset: Node, values: Floats) -> None:
 def write_outcome(root: Node, outcome: str, reached: float, target: float, detail: str) -> None:
     """Say at the root how the run ended, or that it is running."""
     root.attrs.update({"outcome": outcome, "reached": float(reached), "target": float(target), "detail": detail})
+
+
+def origin() -> dict[str, str]:
+    """When and with which versions a file is written, as attributes."""
+    packages = {f"{package}_version": version for package, version in versions().items()}
+    return {**packages, "created": datetime.now(UTC).isoformat(timespec="seconds")}
 
 
 def plain(attributes: dict[str, str]) -> dict[str, str]:

@@ -3,7 +3,7 @@
 The layout is the one of netCDF-4 (dimension scales, ``units`` and ``long_name``), so that h5py, xarray, ncdump and ParaView's
 spreadsheet read it without this package:
 
-    /signals/<axis>            axis of the samples (time [s], load_factor or arc_length), unlimited
+    /signals/<axis>            axis of the samples (time [s], load_factor, or path: number of the point), unlimited
     /signals/<signal>          (axis,) or (axis, component)
     /signals/component...      names of the components, one dataset for each set of names
     /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
@@ -44,7 +44,7 @@ class ResultWriter:
     Args:
         path: file to create.
         signals: what is sampled, in the order of the samples.
-        axis: ``time``, ``load_factor`` or ``arc_length``.
+        axis: ``time``, ``load_factor`` or ``path`` (points of an equilibrium path).
         n_q: number of coordinates of a frame.
         model_text: the model file that describes the system, empty when there is none.
         title: one line for people.
@@ -86,6 +86,7 @@ class ResultWriter:
 
     def sample(self, at: float, values: Sequence[Floats]) -> None:
         """One sample of all signals."""
+        assert len(values) == len(self._signals), f"{len(values)} values for {len(self._signals)} signals"
         self._at.append(at)
         self._rows.append([np.atleast_1d(value) for value in values])
         if time.monotonic() - self._flushed >= self._flush_seconds:
@@ -159,6 +160,8 @@ class ResultWriter:
         if self._at:
             group = self._file["signals"]
             for index, signal in enumerate(self._signals):
+                if signal.name == self._axis:
+                    continue
                 column = np.asarray([row[index] for row in self._rows])
                 append(group[signal.name], column if signal.labels else column[:, 0])
             append(group[self._axis], np.asarray(self._at))

@@ -36,6 +36,7 @@ class StoredResult(Result):
         group, frames = file["signals"], file["frames"]
         self.at: Floats = group[self.axis][()]
         names = [name for name in group if not group[name].is_scale]
+        names = [self.axis, *names] if self.axis == "load_factor" else names  # sampled like a signal, stored once, as the axis
         self.signals = {name: _signal(group, name) for name in names}
         columns = {name: group[name][: len(self.at)] for name in names}
         self._values = {name: column if column.ndim == 2 else column[:, None] for name, column in columns.items()}

@@ -9,9 +9,13 @@ from pathlib import Path
 from lamella.errors import ResultFileError
 
 RESULT = "run.h5"
+MODES = "modes.h5"
 MODEL = "model.yaml"
 PICTURES = "pictures"
-WRITTEN = (RESULT, MODEL, "signals.csv", "modes.csv", "surface.vtkhdf", "animation.*", "report.html", "findings.json", PICTURES)
+WRITTEN = (
+    *(RESULT, MODES, MODEL, "signals.csv", "modes.csv", "surface.vtkhdf", "modes.vtkhdf"),
+    *("animation.*", "report.html", "findings.json", PICTURES),
+)
 """Everything a run may leave in its folder."""
 
 

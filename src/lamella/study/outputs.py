@@ -11,14 +11,17 @@ import numpy as np
 from lamella.errors import ResultFileError
 from lamella.io.analysis import Analysis, Computed, Output, mode_table
 from lamella.io.model_file import ModelFile
+from lamella.io.modes import mode_frames, natural_amplitude, write_modes
 from lamella.modal import Modes
 from lamella.result import Result
-from lamella.study.folder import PICTURES
+from lamella.study.folder import MODES, PICTURES
 
 CAPTIONS = {
+    "path.png": "Load factor over displacement, along the equilibrium path",
     "signals.png": "Recorded signals",
     "energy.png": "Energy and work, and what their balance leaves over",
     "shape.png": "The deformed plates, true to their place and scale",
+    "modes.png": "Shapes of the first modes",
     "animation.gif": "The motion",
 }
 DRAWN = {".png", ".gif"}
@@ -47,7 +50,7 @@ def write_outputs(
     """
     output = model_file.output
     if isinstance(computed, Modes):
-        return [write_modes(computed, folder / "modes.csv")]
+        return write_mode_outputs(model_file, computed, folder, pictures)
     files = [write_signals(computed, folder / "signals.csv")] if output.csv else []
     drawable = bool(len(computed.frame_at) and computed.model.plates)
     if output.paraview and drawable:
@@ -66,6 +69,52 @@ def write_outputs(
         drawn = [path for path in files if path.suffix in DRAWN]
         files.append(write_run_report(computed, folder / "report.html", model_file, drawn))
     return files
+
+
+def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictures: bool) -> list[Path]:
+    """Write frequencies and shapes, the shapes for ParaView, their picture, and the report.
+
+    Raises:
+        ResultFileError: a file cannot be written.
+    """
+    output, text = model_file.output, model_file.text()
+    files = [write_modes(modes, folder / MODES, model_text=text, title=model_file.title)]
+    if output.csv:
+        files.append(write_frequencies(modes, folder / "modes.csv"))
+    if output.paraview and modes.model.plates:
+        from lamella.io.vtk import write_vtkhdf
+
+        shapes = mode_frames(modes, natural_amplitude(modes))
+        files.append(write_vtkhdf(shapes, folder / "modes.vtkhdf", fields=("displacement", "normal")))
+    drawn = []
+    if pictures and output.pictures and modes.model.plates:
+        from lamella.viz.scene import mode_sheet
+
+        make_folder(folder / PICTURES)
+        drawn = [mode_sheet(modes, folder / PICTURES / "modes.png", view=output.view)]
+    if pictures and output.report:
+        from lamella.viz.report import Figure, Section, Table, write_report
+
+        section = Section(
+            "Natural modes",
+            figures=[Figure(path, CAPTIONS[path.name]) for path in drawn],
+            tables=[Table(["Mode", "Frequency [Hz]"], mode_table(modes))],
+        )
+        title, about = model_file.title or "Natural modes", model_file.description
+        files.append(write_report(folder / "report.html", title, [section], summary=about, model_text=text))
+    return files + drawn
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder if it is not there yet.
+
+    Raises:
+        ResultFileError: it cannot be made.
+    """
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise ResultFileError(f"'{folder}' cannot be written: {error.strerror or error}") from error
 
 
 def write_run_report(result: Result, path: Path, model_file: ModelFile, drawn: Sequence[Path]) -> Path:
@@ -99,16 +148,16 @@ def write_pictures(result: Result, folder: Path, output: Output | None = None) -
     Raises:
         ResultFileError: a file cannot be written.
     """
+    from lamella.viz.path import plot_path
     from lamella.viz.plots import plot_energy, plot_signals
     from lamella.viz.scene import picture
     from lamella.viz.style import save_figure
 
     output = output or Output()
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise ResultFileError(f"'{folder}' cannot be written: {error.strerror or error}") from error
-    files = [save_figure(plot_signals(result, output.signals), folder / "signals.png")]
+    make_folder(folder)
+    traced = [name for name in result.signals if name.endswith(".position")] if result.axis == "path" else []
+    files = [save_figure(plot_path(result, traced), folder / "path.png")] if traced else []
+    files += [save_figure(plot_signals(result, output.signals), folder / "signals.png")]
     if any(name.startswith("energy.") for name in result.signals):
         files.append(save_figure(plot_energy(result), folder / "energy.png"))
     if len(result.frame_at) and result.model.plates:
@@ -144,6 +193,8 @@ def write_signals(result: Result, path: Path) -> Path:
     unit = {"time": "s"}.get(result.axis, "1")
     heading, columns = [f"{result.axis} [{unit}]"], [result.at]
     for name, signal in result.signals.items():
+        if name == result.axis:
+            continue
         values = result.history(name).values
         for component, label in enumerate(signal.labels or ("",)):
             heading.append(f"{name}{'.' if label else ''}{label} [{signal.unit}]")
@@ -151,7 +202,7 @@ def write_signals(result: Result, path: Path) -> Path:
     return _write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True))
 
 
-def write_modes(modes: Modes, path: Path) -> Path:
+def write_frequencies(modes: Modes, path: Path) -> Path:
     """Write the natural frequencies as a table.
 
     Raises:

@@ -16,7 +16,6 @@ from lamella.modal import Modes
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Result, Sink
-from lamella.signals import system_signals
 from lamella.study.folder import MODEL, RESULT
 from lamella.study.interruption import Interruption
 from lamella.study.outputs import write_outputs
@@ -93,11 +92,11 @@ def _run_analysis(
     sinks: list[Sink] = []
     files: list[Path] = []
     if analysis.axis:
-        signals = system_signals(Equations(model))
+        signals = analysis.signals(Equations(model))
         files.append(folder / RESULT)
         text, title = model_file.text(), model_file.title
         sinks.append(
-            ResultWriter(files[0], signals, analysis.axis, model.n_q, model_text=text, title=title, target=analysis.span[1])
+            ResultWriter(files[0], signals, analysis.axis, model.n_q, model_text=text, title=title, target=analysis.target)
         )
     if progress and analysis.axis:
         sinks.append(ProgressBar(analysis.name, *analysis.span, "s" if analysis.axis == "time" else ""))

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 UNIT = 100
 """Layout is counted in hundredths of an inch, whatever the resolution."""
 
+SAMPLED = 6
+"""Frames of an animation whose colours make its palette."""
+
+NEARLY_WHITE = 246
+
 BAR, HEAD = 110, 26
 """Room for the colour bar, and for the heading of a panel or of the picture."""
 
@@ -41,7 +46,7 @@ class Composer:
 
     def __init__(self, camera: Camera, colours: ColourScale, label: str, panels: int, width: int, title: str, dpi: int) -> None:
         aspect = camera.half_width / camera.half_height
-        columns = min(panels, 2 if aspect > 1.2 else 3)
+        columns = min(panels, 3 if panels > 4 or (panels == 3 and aspect <= 1.2) else 2)
         rows = -(-panels // columns)
         width, self._dpi = width * UNIT // dpi, dpi
         panel = (width - BAR) // columns
@@ -69,7 +74,7 @@ class Composer:
 
     def save(self, path: Path) -> Path:
         """Save as PNG, SVG or PDF."""
-        return save_figure(self._figure, path, self._dpi)
+        return save_figure(self._figure, path, self._dpi, colours=None)
 
     def _build(self, panels: int, columns: int, top: int) -> tuple[Any, list[Any], list[Any]]:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -102,14 +107,18 @@ class Composer:
 
 
 def save_gif(pictures: Iterable[Picture], path: Path, seconds: float) -> Path:
-    """An animation that repeats for ever.
+    """An animation that repeats for ever; only what changes from frame to frame is stored, so all share one palette.
 
     Args:
         pictures: frames, shape (height, width, 3) each.
         path: file to write.
         seconds: how long each is shown; the format counts in hundredths.
     """
-    frames = [_palette(picture) for picture in pictures]
+    from PIL import Image
+
+    drawn = list(pictures)
+    palette = _palette(drawn)
+    frames = [Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE) for picture in drawn]
     with _writing(path):
         options = {"save_all": True, "append_images": frames[1:], "loop": 0, "optimize": False}
         frames[0].save(path, format="GIF", duration=max(20, 10 * round(100 * seconds)), **options)
@@ -136,11 +145,23 @@ def save_mp4(pictures: Iterable[Picture], path: Path, seconds: float) -> Path:
     return path
 
 
-def _palette(picture: Picture) -> Image:
-    """The picture in 256 colours of its own, without dithering, which would flicker."""
+def _palette(pictures: Sequence[Picture]) -> Image:
+    """A picture of one pixel with the 256 colours that suit all pictures best, pure white among them.
+
+    Colours are weighted by the root of their area: by area alone, the bright end of the scale would be lost when few frames
+    reach it.
+    """
     from PIL import Image
 
-    return Image.fromarray(picture).quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    shown = np.linspace(0, len(pictures) - 1, min(len(pictures), SAMPLED)).round().astype(int)
+    colours, counts = np.unique(np.concatenate([pictures[k].reshape(-1, 3) for k in shown]) >> 2, axis=0, return_counts=True)
+    weighted = np.repeat((colours << 2) + 2, np.minimum(np.sqrt(counts).astype(int), 60), axis=0).astype(np.uint8)
+    found = Image.fromarray(weighted[None]).quantize(255, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    entries = np.array(found.getpalette()[: 3 * 255]).reshape(-1, 3)  # type: ignore[index]  # the mode is P
+    entries[entries.min(axis=1) > NEARLY_WHITE] = 255  # the white of the page
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([255, 255, 255, *entries.reshape(-1).tolist()])
+    return palette
 
 
 @contextlib.contextmanager

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 
     from lamella.result import Result
 
-AXIS_LABEL = {"time": "Time [s]", "load_factor": "Load factor [–]", "arc_length": "Arc length [–]"}
+AXIS_LABEL = {"time": "Time [s]", "load_factor": "Load factor [–]", "path": "Point on the path [–]"}
+LOAD_FACTOR = "load_factor"
 ENERGIES = ("energy.", "work.")
+POSITION = ".position"
 BALANCE = "energy.balance"
 SMALLEST_SPAN = 5e-3
 """A component that varies less than this part of its signal's largest variation is drawn as flat as it is."""
 
-_COLUMNS = 60
+COLUMNS = 60
 """Columns of the grid that rows of up to six components share; a multiple of their numbers."""
 
 Curve = tuple[Floats, Floats]
@@ -34,8 +36,15 @@ def unit_label(name: str, unit: str) -> str:
     return f"{name} [{'–' if unit in ('', '1') else unit.replace(' ', ' ')}]"
 
 
+def abscissa(result: Result) -> tuple[Floats, str]:
+    """What signals are drawn over, with its label: time or load factor; on a path it may go forth and back."""
+    if result.axis == "path" and LOAD_FACTOR in result:
+        return np.asarray(result.history(LOAD_FACTOR).values), AXIS_LABEL[LOAD_FACTOR]
+    return result.at, AXIS_LABEL[result.axis]
+
+
 def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: str = "") -> Figure:
-    """Recorded signals over time: a row for each signal, a column for each component, each with its own range.
+    """Recorded signals over time or load factor: a row for each signal, a column for each component, each with its own range.
 
     Args:
         result: of a solution, or read from a file.
@@ -46,18 +55,18 @@ def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: s
         DeclarationError: no such signal.
     """
     if names is None:
-        names = [name for name in result.signals if name.endswith((".position", ".force"))] or list(result.signals)
-    rows = [_columns(result, name) for name in names]
+        names = [name for name in result.signals if name.endswith((POSITION, ".force"))] or list(result.signals)
+    rows = [columns_of(result, name) for name in names]
     with styled():
         figure = new_figure(0.35 + 1.75 * len(rows))
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
-        grid = figure.add_gridspec(len(rows), _COLUMNS)
+        grid = figure.add_gridspec(len(rows), COLUMNS)
         for row, (name, columns) in enumerate(zip(names, rows, strict=True)):
-            width = _COLUMNS // len(columns)
+            width = COLUMNS // len(columns)
             axes = [figure.add_subplot(grid[row, k * width : (k + 1) * width]) for k in range(len(columns))]
             _draw_row(axes, name, result, columns, last=row == len(rows) - 1)
-        _note_outcome(figure, [result])
+        note_outcome(figure, [result])
     return figure
 
 
@@ -74,6 +83,7 @@ def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
         )
     series = {name: result.history(name).values for name in names}
     zero = [name for name, values in series.items() if not np.any(values)]
+    x, label = abscissa(result)
     with styled():
         figure = new_figure(4.2)
         upper, lower = (
@@ -81,15 +91,15 @@ def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
         )
         for number, (name, values) in enumerate((n, v) for n, v in series.items() if n not in zero):
             dash = DASHES[1] if name.startswith("work.") else DASHES[0]
-            upper.plot(result.at, values, color=COLOURS[number % len(COLOURS)], linestyle=dash, label=_short(result, name))
+            upper.plot(x, values, color=COLOURS[number % len(COLOURS)], linestyle=dash, label=_short(result, name))
         upper.set(title=title, ylabel="Energy [J]")
-        place_legend(upper, "Zero: " + ", ".join(_short(result, name).lower() for name in zero) if zero else "")
+        place_legend(upper)
         if lower is not None:
-            lower.plot(result.at, result.history(BALANCE).values, color=INK, linewidth=1.1)
+            lower.plot(x, result.history(BALANCE).values, color=INK, linewidth=1.1)
             lower.set_ylabel("Balance [J]")
-        (upper if lower is None else lower).set_xlabel(AXIS_LABEL[result.axis])
+        (upper if lower is None else lower).set_xlabel(label)
         upper.margins(x=0.01)
-        _note_outcome(figure, [result])
+        note_outcome(figure, [result], "Zero: " + ", ".join(_short(result, name).lower() for name in zero) if zero else "")
     return figure
 
 
@@ -117,18 +127,18 @@ def plot_comparison(
     """
     curves = {}
     for model, result in results.items():
-        columns = _columns(result, name)
+        columns = columns_of(result, name)
         if len(columns) != 1:
             names = ", ".join(f"{name}.{component}" for component in columns)
             raise DeclarationError("comparison", f"'{name}' has several components", f"accepted are {names}")
         values = next(iter(columns.values()))
-        curves[model] = (result.at, values - values[0] if change else values)
+        curves[model] = (abscissa(result)[0], values - values[0] if change else values)
     first = next(iter(results.values()))
     text = label or (f"Change of {name}" if change else name)
-    unit = _signal_of(first, name)[1]
-    figure = plot_curves(curves, AXIS_LABEL[first.axis], unit_label(text, unit), points=references, title=title)
+    unit = signal_of(first, name)[1]
+    figure = plot_curves(curves, abscissa(first)[1], unit_label(text, unit), points=references, title=title)
     with styled():
-        _note_outcome(figure, list(results.values()))
+        note_outcome(figure, list(results.values()))
     return figure
 
 
@@ -207,7 +217,7 @@ def observed_order(size: Floats, error: Floats) -> float:
     return float(np.polyfit(np.log(size), np.log(error), 1)[0])
 
 
-def _signal_of(result: Result, name: str) -> tuple[str, str, str | None]:
+def signal_of(result: Result, name: str) -> tuple[str, str, str | None]:
     """Signal, unit and component meant by ``name``, which is a signal or a signal with a component."""
     if name in result.signals:
         return name, result.signals[name].unit, None
@@ -217,9 +227,9 @@ def _signal_of(result: Result, name: str) -> tuple[str, str, str | None]:
     return stem, result.signals[stem].unit, component
 
 
-def _columns(result: Result, name: str) -> dict[str, Floats]:
+def columns_of(result: Result, name: str) -> dict[str, Floats]:
     """Components by their label; a scalar has the empty label."""
-    signal, _, component = _signal_of(result, name)
+    signal, _, component = signal_of(result, name)
     values, labels = result.history(signal).values, result.signals[signal].labels
     if not labels:
         return {"": values}
@@ -227,18 +237,19 @@ def _columns(result: Result, name: str) -> dict[str, Floats]:
 
 
 def _draw_row(axes: Sequence[Axes], name: str, result: Result, columns: dict[str, Floats], last: bool) -> None:
-    signal, unit, _ = _signal_of(result, name)
+    signal, unit, _ = signal_of(result, name)
     spans = [float(np.ptp(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0 for values in columns.values()]
+    x, x_label = abscissa(result)
     for number, (axis, (label, values)) in enumerate(zip(axes, columns.items(), strict=True)):
         colour = COMPONENT_COLOURS.get(label, COLOURS[number % len(COLOURS)])
-        axis.plot(result.at, values, color=colour)
+        axis.plot(x, values, color=colour)
         axis.margins(x=0.01)
         _keep_flat(axis, values, spans[number], SMALLEST_SPAN * max(spans))
         axis.set_title(f"{signal} {label}".strip() if number == 0 else label)
         if number == 0:
             axis.set_ylabel(f"[{'–' if unit in ('', '1') else unit}]")
         if last:
-            axis.set_xlabel(AXIS_LABEL[result.axis])
+            axis.set_xlabel(x_label)
 
 
 def _keep_flat(axis: Axes, values: Floats, span: float, smallest: float) -> None:
@@ -254,8 +265,9 @@ def _short(result: Result, name: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _note_outcome(figure: Figure, results: Sequence[Result]) -> None:
-    """Say below the figure which runs did not reach their end."""
+def note_outcome(figure: Figure, results: Sequence[Result], note: str = "") -> None:
+    """Say below the figure which runs did not reach their end, after a note."""
     stopped = sorted({str(result.outcome) for result in results if not result.outcome.completed})
-    if stopped:
-        figure.supxlabel("; ".join(stopped), fontsize=8, color="#a33", x=0.01, ha="left")
+    if stopped or note:
+        text = "\n".join([note] * bool(note) + ["; ".join(stopped)] * bool(stopped))
+        figure.supxlabel(text, fontsize=8, color="#a33" if stopped else "#4b5563", x=0.01, ha="left")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamella.errors import DeclarationError, ResultFileError
+from lamella.io.modes import mode_frames, natural_amplitude
 from lamella.roles import Floats
 from lamella.viz.camera import Camera, fit_camera
 from lamella.viz.compose import Composer, save_gif, save_mp4
@@ -20,7 +21,11 @@ from lamella.viz.fields import Snapshot, SurfaceSampler, scalar, select
 from lamella.viz.renderer import ColourScale, Renderer, RendererName, Sheet, make_renderer
 
 if TYPE_CHECKING:
+    from lamella.modal import Modes
     from lamella.result import Result
+
+LOAD_FACTOR, MODE_FREQUENCY = "load_factor", "frequency"
+"""Signals that captions quote: of static solutions, and of natural modes."""
 
 MOST_FITTED = 60
 """Frames looked at to fit the camera and the colours; more would not show."""
@@ -52,9 +57,16 @@ class Drawing:
     def caption(self, frame: int) -> str:
         """Where a frame stands on the axis of the result."""
         at = float(self.result.frame_at[frame])
-        unit = {"time": " s", "load_factor": "", "arc_length": ""}[self.result.axis]
-        symbol = {"time": "t", "load_factor": "load factor", "arc_length": "arc length"}[self.result.axis]
-        return f"{symbol} = {at:.4g}{unit}"
+        if self.result.axis == "time":
+            return f"t = {at:.4g} s"
+        if self.result.axis == "mode":
+            return f"Mode {at:.0f}: {self._sampled(MODE_FREQUENCY, at):.4g} Hz"
+        factor = self._sampled(LOAD_FACTOR, at) if LOAD_FACTOR in self.result else at
+        return f"load factor = {factor:.4g}"
+
+    def _sampled(self, name: str, at: float) -> float:
+        """A signal at the sample nearest to an axis value."""
+        return float(self.result.history(name)[int(np.argmin(np.abs(self.result.at - at)))])
 
 
 def picture(
@@ -66,6 +78,7 @@ def picture(
     scale: float = 1.0,
     view: View = "isometric",
     title: str = "",
+    label: str = "",
     per_element: int = 6,
     width: int = 1760,
     renderer: RendererName = "auto",
@@ -75,11 +88,13 @@ def picture(
     Args:
         result: of a solution, or read from a file.
         path: PNG (or SVG, PDF) to write.
-        at: time [s] or load factor, or several for panels side by side; the nearest frames are drawn; by default the last.
+        at: time [s], load factor or point of a path, or several for panels side by side; the nearest frames are drawn; by
+            default the last.
         field: name of :data:`lamella.viz.fields.FIELDS`, or a component such as ``displacement.z``.
         scale: factor on the displacement; 1 is true to scale.
         view: ``isometric``, ``front``, ``side``, ``top``, or the direction in which the camera looks.
         title: heading.
+        label: of the colour bar, by default the field's name and unit.
         per_element: grid intervals along each side of an element.
         width: of the whole picture [pixel].
         renderer: ``auto``, ``pyvista`` or ``matplotlib``.
@@ -90,10 +105,32 @@ def picture(
     """
     frames = _frames_at(result, at)
     drawing = _prepare(result, field, scale, per_element, view, frames)
-    composer = Composer(drawing.camera, drawing.colours, drawing.label, len(frames), width, title or _title(scale), PICTURE_DPI)
+    bar, heading = label or drawing.label, title or _title(scale)
+    composer = Composer(drawing.camera, drawing.colours, bar, len(frames), width, heading, PICTURE_DPI)
     with _drawing(drawing, composer, renderer) as painter:
         composer.show([painter.draw(drawing.sheets(frame)) for frame in frames], [drawing.caption(frame) for frame in frames])
     return composer.save(Path(path))
+
+
+def mode_sheet(
+    modes: Modes, path: str | Path, *, count: int = 9, view: View = "isometric", renderer: RendererName = "auto"
+) -> Path:
+    """Draw the shapes of the first modes side by side, coloured by displacement, with number and frequency.
+
+    Args:
+        modes: what was computed.
+        path: PNG (or SVG, PDF) to write.
+        count: largest number of shapes.
+        view, renderer: as in :func:`picture`.
+
+    Raises:
+        DeclarationError: no plate in the model, or an unknown view or renderer.
+        ResultFileError: the picture cannot be written.
+    """
+    scale = natural_amplitude(modes)
+    shapes = mode_frames(modes, 1.0, count)
+    title, label = "Natural modes", "Displacement, the largest of a mode = 1"
+    return picture(shapes, path, at=shapes.frame_at.tolist(), scale=scale, view=view, title=title, label=label, renderer=renderer)
 
 
 def animation(
@@ -106,7 +143,7 @@ def animation(
     title: str = "",
     per_element: int = 4,
     width: int = 720,
-    frames: int = 60,
+    frames: int = 48,
     seconds: float | None = None,
     renderer: RendererName = "auto",
 ) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +23,9 @@ COMPONENT_COLOURS = {"x": "#d1495b", "y": "#2a9d6f", "z": "#1f5fa8"}
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 INK, FAINT = "#1d2733", "#d8dee6"
 COLOUR_MAP = "viridis"
+LONG_LABEL = 24
+"""Number of letters from which legends stand below the axes."""
+
 WIDTH = 7.2
 """Width of a figure [inch], a text column of a report."""
 
@@ -80,17 +84,10 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def place_legend(axes: Axes, note: str = "") -> None:
-    """The legend where it hides no data: to the right of the axes, or below them when its texts are long.
-
-    Args:
-        axes: with labelled artists.
-        note: a last entry without a line.
-    """
+def place_legend(axes: Axes) -> None:
+    """The legend where it hides no data: to the right of the axes, or below them when its texts are long."""
     handles, labels = axes.get_legend_handles_labels()
-    if note:
-        handles, labels = [*handles, axes.plot([], [], linestyle="none")[0]], [*labels, note]
-    if max(map(len, labels), default=0) <= 20:
+    if max(map(len, labels), default=0) <= LONG_LABEL:
         axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.01, 1.02), borderaxespad=0.0)
         return
     figure = axes.get_figure(root=True)
@@ -99,19 +96,40 @@ def place_legend(axes: Axes, note: str = "") -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
-def save_figure(figure: Figure, path: str | Path, dpi: int = RC["savefig.dpi"]) -> Path:
+def save_figure(figure: Figure, path: str | Path, dpi: int = RC["savefig.dpi"], *, colours: int | None = 256) -> Path:
     """Save as PNG, SVG or PDF, by the suffix; the same figure gives the same bytes.
+
+    Args:
+        figure: to be saved.
+        path: file to write.
+        dpi: resolution of a PNG [1/inch].
+        colours: largest number of colours of a PNG, which makes that of a plot a third as large; None keeps all, for shading.
 
     Raises:
         ResultFileError: the suffix is not known or the file cannot be written.
     """
     path = Path(path)
-    formats = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    formats = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     if path.suffix.lower() not in formats:
         raise ResultFileError(f"figure '{path}': unknown suffix '{path.suffix}'; accepted are {', '.join(formats)}")
     try:
         with styled():
-            figure.savefig(path, dpi=dpi, metadata=formats[path.suffix.lower()])
+            if path.suffix.lower() == ".png":
+                _save_png(figure, path, dpi, colours)
+            else:
+                figure.savefig(path, metadata=formats[path.suffix.lower()])
     except OSError as error:
         raise ResultFileError(f"figure '{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
     return path
+
+
+def _save_png(figure: Figure, path: Path, dpi: int, colours: int | None) -> None:
+    from PIL import Image
+
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="rgba", dpi=dpi)
+    width, height = (int(round(inches * dpi, 6)) for inches in figure.get_size_inches())
+    picture = Image.frombytes("RGBA", (width, height), drawn.getvalue()).convert("RGB")
+    if colours is not None:
+        picture = picture.quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    picture.save(path, format="PNG", optimize=True, dpi=(dpi, dpi))

@@ -1,0 +1,167 @@
+"""Natural modes as a file and as frames of a result.
+
+The file is HDF5 with the layout of netCDF-4, like result files:
+
+    /mode, /coordinate         numbers of the modes, from 1, and of the coordinates
+    /frequency                 (mode,) [Hz]; negative for an unstable mode
+    /shapes                    (mode, coordinate), normalised by phi^T M phi = 1
+    /state                     (coordinate,), about which the modes are
+    attributes of /            format, format_version, versions, created, title, model
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from lamella.dofs import Signal
+from lamella.errors import DeclarationError, ResultFileError
+from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_other_file
+from lamella.modal import Modes
+from lamella.result import Cause, Outcome, Recorder, Result, Statistics
+from lamella.state import State
+
+FORMAT, FORMAT_VERSION = "lamella modes", "1.0"
+AXIS = "mode"
+SHARE = 0.12
+"""Largest displacement of a drawn mode as a share of the largest extent of the plates."""
+
+
+def write_modes(modes: Modes, path: str | Path, *, model_text: str | None = None, title: str = "") -> Path:
+    """Write frequencies and shapes to an HDF5 file; an existing one is replaced only when the new one is whole.
+
+    Args:
+        modes: what was computed.
+        path: file to write.
+        model_text: the model file; made from the system when left out.
+        title: one line for people.
+
+    Raises:
+        ResultFileError: ``path`` is another kind of file, or cannot be written.
+    """
+    import h5py
+
+    path = Path(path)
+    refuse_other_file(path)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(partial, "w", track_order=True) as file:
+            text = _text(modes) if model_text is None else model_text
+            file.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "title": title, "model": text}))
+            file.attrs.update(plain(origin()))
+            _write(file, modes)
+        os.replace(partial, path)
+    except OSError as error:
+        raise ResultFileError(f"'{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def read_modes(path: str | Path) -> Modes:
+    """Read a file of modes; the model is compiled from the stored model file.
+
+    Raises:
+        ResultFileError: no such file, not a file of modes, damaged, or without a model.
+    """
+    import h5py
+
+    path = Path(path)
+    if not path.is_file() or not is_modes_file(path):
+        raise ResultFileError(f"'{path}' is not a file of modes; accepted is one written for an analysis natural_modes")
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            text = str(file.attrs["model"])
+            root: Node = file
+            arrays = [np.asarray(root[name][()]) for name in ("frequency", "shapes", "state")]
+    except (OSError, KeyError, RuntimeError) as error:  # what h5py raises for a truncated or altered file
+        raise ResultFileError(f"file of modes '{path}' is damaged or cannot be read: {error}") from error
+    if not text:
+        raise ResultFileError(f"'{path}' holds no model; accepted are modes of a model that can be written as a model file")
+    from lamella.io.model_file import loads
+
+    frequencies, shapes, state = arrays
+    return Modes(loads(text, name=str(path)).system.compile(), frequencies, shapes.T, state)
+
+
+def is_modes_file(path: Path) -> bool:
+    """Whether a file is one of modes."""
+    import h5py
+
+    if not is_hdf5(path):
+        return False
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return file.attrs.get("format", "") == FORMAT
+    except OSError:  # truncated
+        return False
+
+
+def mode_frames(modes: Modes, amplitude: float, count: int | None = None) -> Result:
+    """A frame for each mode, over the number of the mode: the state with the shape added.
+
+    Displacements are counted from the state that the modes are about, so they show the shape alone.
+
+    Args:
+        modes: what was computed.
+        amplitude: largest displacement of each shape [m].
+        count: number of modes, all when left out.
+    """
+    count = min(count or len(modes.frequencies), len(modes.frequencies))
+    model = replace(modes.model, q0=modes.state)
+    numbers = [float(number) for number in range(1, count + 1)]
+    shapes = [modes.displaced(mode, amplitude) for mode in range(count)]
+    unknown, none = np.full(len(modes.state), np.nan), np.empty(0)
+    last = State(0.0, shapes[-1], unknown, unknown, none, none)
+    recorder = Recorder(
+        [Signal("frequency", "Hz", (), lambda state: np.nan, "natural frequency")],
+        AXIS,
+        numbers[0],
+        numbers[-1],
+        at=numbers,
+        values=[[np.array([frequency])] for frequency in modes.frequencies[:count]],
+        frame_at=numbers,
+        frame_q=shapes,
+        frame_v=[unknown] * count,
+    )
+    return Result(model, recorder, last, Outcome(Cause.COMPLETED, numbers[-1], numbers[-1]), Statistics())
+
+
+def natural_amplitude(modes: Modes) -> float:
+    """A largest displacement that shows shapes well [m]: a share of the largest extent of the plates.
+
+    Raises:
+        DeclarationError: the model has no plate.
+    """
+    if not modes.model.plates:
+        raise DeclarationError("modes", "the model has no plate to show", "accepted is a system with a plate")
+    positions = modes.state.reshape(-1, 3)[modes.model.is_position]
+    return SHARE * float(np.ptp(positions, axis=0).max())
+
+
+def _write(file: Node, modes: Modes) -> None:
+    scales = {AXIS: np.arange(1, len(modes.frequencies) + 1), "coordinate": np.arange(len(modes.state))}
+    for name, numbers in scales.items():
+        file.create_dataset(name, data=numbers).attrs.update({"units": "1", "long_name": f"number of the {name}"})
+        file[name].make_scale(name)
+    for name, values, axes, unit, label in (
+        ("frequency", modes.frequencies, (AXIS,), "Hz", "natural frequency"),
+        ("shapes", modes.shapes.T, (AXIS, "coordinate"), "1", "shape, normalised by phi^T M phi = 1"),
+        ("state", modes.state, ("coordinate",), "m, 1", "coordinates about which the modes are"),
+    ):
+        dataset = file.create_dataset(name, data=values)
+        dataset.attrs.update({"units": unit, "long_name": label})
+        for dimension, axis in zip(dataset.dims, axes, strict=True):
+            dimension.attach_scale(file[axis])
+
+
+def _text(modes: Modes) -> str:
+    from lamella.io.writer import dumps
+
+    try:
+        return dumps(modes.model.description) if modes.model.description is not None else ""
+    except DeclarationError:  # forces written in Python and the like: the modes are complete without their model file
+        return ""

@@ -1,0 +1,65 @@
+"""Load-displacement curves of static solutions (matplotlib)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.errors import DeclarationError
+from lamella.viz.plots import AXIS_LABEL, COLUMNS, LOAD_FACTOR, POSITION, SMALLEST_SPAN, columns_of, note_outcome, signal_of
+from lamella.viz.style import COLOURS, COMPONENT_COLOURS, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from lamella.result import Result
+
+
+def plot_path(result: Result, names: Sequence[str] | None = None, *, title: str = "") -> Figure:
+    """Load-displacement curves: the load factor over the displacement of each position; a row for each, a column a component.
+
+    Args:
+        result: of a static solution.
+        names: positions, or single components such as ``tip.position.z``; by default all positions.
+        title: heading of the figure.
+
+    Raises:
+        DeclarationError: no such signal, no position is recorded, or the result has no load factor.
+    """
+    names = [name for name in result.signals if name.endswith(POSITION)] if names is None else names
+    if not names or LOAD_FACTOR not in result:
+        raise DeclarationError(
+            "path plot", "the result has no load factor or no position", f"recorded are {', '.join(result.signals)}"
+        )
+    with styled():
+        figure = new_figure(0.7 + 2.2 * len(names))
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
+        grid = figure.add_gridspec(len(names), COLUMNS)
+        for row, name in enumerate(names):
+            width = COLUMNS // len(columns_of(result, name))
+            axes = [figure.add_subplot(grid[row, k : k + width]) for k in range(0, COLUMNS, width)]
+            _draw_row(axes, result, name)
+            for axis in axes if row == len(names) - 1 else ():
+                axis.set_xlabel("Displacement [m]")
+        note_outcome(figure, [result])
+    return figure
+
+
+def _draw_row(axes: Sequence[Axes], result: Result, name: str) -> None:
+    factors = result.history(LOAD_FACTOR).values
+    moved = {component: values - values[0] for component, values in columns_of(result, name).items()}
+    smallest = SMALLEST_SPAN * max(float(np.ptp(values)) for values in moved.values())
+    for number, (axis, (component, values)) in enumerate(zip(axes, moved.items(), strict=True)):
+        axis.plot(values, factors, ".-", color=COMPONENT_COLOURS.get(component, COLOURS[0]), markersize=3.5)
+        if np.ptp(values) < smallest:  # rounding errors are not blown up to the width of the axes
+            middle = 0.5 * float(values.min() + values.max())
+            axis.set_xlim(middle - smallest, middle + smallest)
+        axis.tick_params(labelleft=number == 0)
+        axis.set_title(component)
+    stem = signal_of(result, name)[0].removesuffix(POSITION)
+    axes[0].set_title(f"{stem} {next(iter(moved))}".strip())
+    axes[0].set_ylabel(AXIS_LABEL[LOAD_FACTOR])
