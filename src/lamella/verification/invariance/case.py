@@ -65,7 +65,7 @@ def described(view: View) -> lm.System:
     turn, origin, size, mesh, at, edge, angles = view.R, np.zeros(3), SIZE, MESH, AT, "x-", ANGLES
     if view.exchanged:
         turn = turn @ np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-        origin, size, mesh = np.array([0.0, SIZE[1], 0.0]), SIZE[::-1], MESH[::-1]
+        origin, size, mesh = np.array([0.0, SIZE[1], 0.0]), (SIZE[1], SIZE[0]), (MESH[1], MESH[0])
         at, edge, angles = (SIZE[1] - AT[1], AT[0]), "y-", tuple(angle + 90.0 for angle in ANGLES)
     layup = lm.Laminate(ply, angles=angles, thickness=1.5e-3 / L)
     place = (view.R @ origin + view.position) / L
@@ -102,7 +102,7 @@ def run() -> Iterator[Check]:
     at_rest = np.array([*AT, 0.0])
     for name, view in VIEWS.items():
         other_still, other_path, other_force = solved(view)
-        change = np.linalg.norm(other_still - still) / np.linalg.norm(still - at_rest)
+        change = float(np.linalg.norm(other_still - still) / np.linalg.norm(still - at_rest))
         yield references.check(f"static deflection {name}", change)
-        yield references.check(f"clamp's force {name}", np.linalg.norm(other_force - force) / 10.0)
+        yield references.check(f"clamp's force {name}", float(np.linalg.norm(other_force - force)) / 10.0)
         yield references.check(f"motion {name}", np.abs(other_path - path).max() / np.abs(path - at_rest).max())
