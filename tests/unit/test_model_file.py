@@ -302,3 +302,51 @@ def test_every_argument_has_a_description_in_the_schema() -> None:
     definitions = json_schema()["$defs"]
     for cls in {getattr(lm, name) for name in lm.__all__} & set(SECTIONS["system"].classes()):
         assert set(definitions[cls.__name__]["properties"]) - {"type"} <= set(arguments(cls)), cls.__name__
+
+
+def test_table_is_read_from_a_file_beside_the_model_and_written_with_its_numbers(tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data/forces.csv").write_text("time,force\n0,0\n0.5,2  # half way\n1,-1\n")
+    path = tmp_path / "model.yaml"
+    path.write_text(
+        changed("slowly: {kind: ramp, t_end: 1 s}", "slowly: {kind: table, file: data/forces.csv, interpolation: pchip}")
+    )
+    model = read_model(path)
+    assert model.system.declarations[2].profile == lm.Table((0, 0.5, 1), (0, 2, -1), "pchip")
+    (tmp_path / "data/forces.csv").unlink()
+    again = loads(model.text())  # self-contained: the file is not needed any more
+    assert again.system.declarations[2].profile == model.system.declarations[2].profile
+    assert "forces.csv" not in model.text()
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "said"),
+    [
+        (
+            "file: none.csv",
+            "file",
+            "{folder}/none.csv': the file cannot be read: No such file or directory; accepted is a text file",
+        ),
+        ("file: bad.csv", "file", "{folder}/bad.csv': line 3 holds 'a,b'"),
+        ("file: late.csv", "file", "{folder}/late.csv': times 1 and 2 are 1 and 0; accepted are strictly increasing times"),
+        ("file: [1]", "file", "found [1]; accepted is the path of a CSV file"),
+        ("file: bad.csv, times: [0, 1]", "times", "'times' does not go with 'file'; accepted are file, interpolation"),
+        ("file: bad.csv, interpolation: smooth", "interpolation", "found 'smooth'; accepted are linear, pchip, cubic"),
+    ],
+)
+def test_message_about_a_file_of_a_table_names_line_and_path(tmp_path: Path, table: str, key: str, said: str) -> None:
+    (tmp_path / "bad.csv").write_text("t,f\n0,1\na,b\n")
+    (tmp_path / "late.csv").write_text("1,1\n0,1\n")
+    path = tmp_path / "model.yaml"
+    path.write_text(changed("kind: ramp, t_end: 1 s", f"kind: table, {table}"))
+    with pytest.raises(ModelFileError) as caught:
+        read_model(path)
+    message = str(caught.value)
+    assert message.startswith(f"{path}, line {line_of('slowly: {kind')}, profiles.slowly.{key}: ")
+    assert said.format(folder=tmp_path) in message
+
+
+def test_schema_takes_a_table_with_points_or_with_a_file() -> None:
+    table = json_schema()["$defs"]["Table"]
+    assert table["properties"]["file"]["type"] == "string"
+    assert [set(way["required"]) for way in table["oneOf"]] == [{"times", "values"}, {"file"}]

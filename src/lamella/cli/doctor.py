@@ -24,11 +24,16 @@ REQUIRED = (
     "h5netcdf",
     "xarray",
     "matplotlib",
+    "pillow",
     "jinja2",
     "rich",
     "typer",
 )
-OPTIONAL = {"pyvista": ("viz", "shaded pictures"), "imageio": ("viz", "animations"), "mkl": ("mkl", "the fastest linear solver")}
+OPTIONAL = {
+    "pyvista": ("viz", "smoothly shaded pictures; matplotlib draws them otherwise"),
+    "imageio": ("viz", "animations as MP4, together with imageio-ffmpeg"),
+    "mkl": ("mkl", "large unsymmetric or indefinite systems; the multifrontal solver built in does all others"),
+}
 ENOUGH_DISK = 1e9
 
 

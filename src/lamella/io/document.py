@@ -66,10 +66,11 @@ class Document:
     Args:
         text: its text.
         name: what messages call it, usually the file's path.
+        folder: from which paths in it count.
     """
 
-    def __init__(self, text: str, name: str) -> None:
-        self.name, self.text = name, text
+    def __init__(self, text: str, name: str, folder: Path | None = None) -> None:
+        self.name, self.text, self.folder = name, text, folder or Path()
         self.problems: list[Problem] = []
         self._overrides: dict[Place, str] = {}
         self._lines: dict[Place, int] = {}
@@ -97,7 +98,7 @@ class Document:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             raise ModelFileError(f"{path} is not a text file in UTF-8 (byte {error.start}); expected is a model file") from error
-        return cls(text, str(path))
+        return cls(text, str(path), path.parent)
 
     def _compose(self, text: str) -> Node:
         try:

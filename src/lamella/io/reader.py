@@ -14,6 +14,8 @@ from lamella.declaration import LIMITS
 from lamella.errors import DeclarationError, LamellaError
 from lamella.io.annotation import Options, field_specs, fixed_length, options, same_shape, tag_of
 from lamella.io.document import Document, Place, shown
+from lamella.io.table_file import FILE, read_table
+from lamella.math.table import Table
 
 
 class Failed:
@@ -65,6 +67,8 @@ class Reader:
         cls = self._chosen(classes, data, place)
         if cls is None:
             return FAILED
+        if cls is Table and FILE in data:
+            return read_table(self.document, data, place) or FAILED
         extra, specs = extra or {}, field_specs(cls)
         key, tag = tag_of(cls)
         given = {name: item for name, item in data.items() if name != key}

@@ -11,6 +11,8 @@ from pydantic import TypeAdapter
 
 from lamella.io.annotation import Options, field_specs, options, tag_of
 from lamella.io.sections import SECTIONS, Section
+from lamella.io.table_file import FILE, SCHEMA
+from lamella.math.table import Table
 
 NAME = r"^[^\W\d][\w-]*$"
 QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*[^\s\d].*)?$"
@@ -85,6 +87,10 @@ def _definition(cls: type, definitions: dict[str, Any], named: bool) -> dict[str
             properties[spec.name]["default"] = spec.default
         if spec.required:
             required.append(spec.name)
+    alternatives: dict[str, Any] = {}
+    if cls is Table:
+        properties[FILE] = SCHEMA
+        alternatives, required = {"oneOf": [{"required": required}, {"required": [FILE]}]}, []
     summary = (inspect.getdoc(cls) or tag).split("\n\n")[0].replace("\n", " ")
     return {
         "description": summary,
@@ -92,6 +98,7 @@ def _definition(cls: type, definitions: dict[str, Any], named: bool) -> dict[str
         "properties": properties,
         "required": required,
         "additionalProperties": False,
+        **alternatives,
     }
 
 
