@@ -12,7 +12,7 @@ from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.model import Model
-from lamella.progress import ProgressBar
+from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
@@ -68,20 +68,21 @@ def simulate(
     if not t_end > t_start:
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
     began = time.perf_counter()
-    model = system.compile() if isinstance(system, System) else system
-    equations, statistics = Equations(model), Statistics()
-    stepper = integrator.stepper(equations, statistics, solver)
-    point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
-    linear = linear_solver(equations.matrix.pattern, solver)
-    make_consistent(equations, point, linear)
-    statistics.seconds_compile = time.perf_counter() - began
-    if progress:
-        sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
-    recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
-    state = equations.state(point)
-    stepper.restart(point)
-    march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
-    outcome = march.run(point.t, state)
+    with compilation_notice(progress):
+        model = system.compile() if isinstance(system, System) else system
+        equations, statistics = Equations(model), Statistics()
+        stepper = integrator.stepper(equations, statistics, solver)
+        point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
+        linear = linear_solver(equations.matrix.pattern, solver)
+        make_consistent(equations, point, linear)
+        statistics.seconds_compile = time.perf_counter() - began
+        if progress:
+            sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
+        recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
+        state = equations.state(point)
+        stepper.restart(point)
+        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
+        outcome = march.run(point.t, state)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
     result = Result(model, recorder, march.state, outcome, statistics)

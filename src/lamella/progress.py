@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
@@ -17,6 +18,15 @@ INTERVAL = 0.1
 
 LINES = 10
 """Plain lines over the whole way."""
+
+
+def compilation_notice(shown: bool) -> AbstractContextManager[None]:
+    """A context within which the first compilation of kernels is announced on standard error, if ``shown``."""
+    if not shown:
+        return nullcontext()
+    from lamella._jit import announced  # imported late: Numba takes most of a second
+
+    return announced(lambda text: print(text, file=sys.stderr, flush=True))
 
 
 class ProgressBar:

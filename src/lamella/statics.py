@@ -12,7 +12,7 @@ from lamella.assembly.point import STATIC, Point
 from lamella.dofs import Signal
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.model import Model
-from lamella.progress import ProgressBar
+from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.arc_length import ArcLength
@@ -60,9 +60,10 @@ def equilibrium(
         ModelError: nothing holds the system.
     """
     factors = _checked_steps(steps)
-    run = _Run(system, t, newton, solver)
-    run.open(factors[-1], sinks, ProgressBar("statics", 0.0, factors[-1], "", run.statistics) if progress else None)
-    outcome = run.guarded(lambda: _climb(run, factors, smallest_step), factors[-1])
+    with compilation_notice(progress):
+        run = _Run(system, t, newton, solver)
+        run.open(factors[-1], sinks, ProgressBar("statics", 0.0, factors[-1], "", run.statistics) if progress else None)
+        outcome = run.guarded(lambda: _climb(run, factors, smallest_step), factors[-1])
     return run.close(outcome, on_failure)
 
 
@@ -94,10 +95,11 @@ def equilibrium_path(
     Returns:
         Signals over the path, among them ``load_factor``.
     """
-    run = _Run(system, t, newton, solver, single=False)
     arc = arc or ArcLength()
-    run.open(until, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
-    outcome = run.guarded(lambda: arc.follow(run.equations, run.newton, run.point, until, run.record, run.statistics), until)
+    with compilation_notice(progress):
+        run = _Run(system, t, newton, solver, single=False)
+        run.open(until, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
+        outcome = run.guarded(lambda: arc.follow(run.equations, run.newton, run.point, until, run.record, run.statistics), until)
     return run.close(outcome, on_failure)
 
 
