@@ -43,7 +43,7 @@ class Outcome:
         cause: why it ended.
         reached: last time [s] or load factor solved for.
         target: time or load factor asked for.
-        detail: a sentence with numbers, empty when completed.
+        detail: a sentence with numbers; on completion empty, or a warning.
     """
 
     cause: Cause
@@ -57,7 +57,7 @@ class Outcome:
 
     def __str__(self) -> str:
         if self.completed:
-            return f"completed at {self.reached:g}"
+            return f"completed at {self.reached:g}" + (f" ({self.detail})" if self.detail else "")
         return f"stopped at {self.reached:g} of {self.target:g}: {self.cause.value}" + (
             f" ({self.detail})" if self.detail else ""
         )
@@ -74,6 +74,8 @@ class Statistics:
     tangents: int = 0
     factorisations: int = 0
     solves: int = 0
+    negative_pivots: int = 0
+    """Negative eigenvalues of the stiffness at a static solution: above 0 the equilibrium is unstable."""
     seconds_compile: float = 0.0
     seconds_run: float = 0.0
 

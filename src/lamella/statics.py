@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.dofs import Signal
-from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
+from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
@@ -37,6 +38,8 @@ def equilibrium(
     on_failure: str = "raise",
 ) -> Result:
     """Geometrically nonlinear static equilibrium f(q) = 0 under the loads and support motions at time ``t``.
+
+    Whether it is stable is told by ``result.statistics.negative_pivots`` and in the outcome.
 
     Loads and motions grow with a load factor from 0 to 1. A step that does not converge is halved, and doubled again after two
     that do; every load factor in ``steps`` is met.
@@ -180,8 +183,23 @@ class _Run:
         except ResultFileError as error:
             return Outcome(Cause.WRITE_FAILED, self.point.factor, until, str(error))
 
+    def judged(self, outcome: Outcome) -> Outcome:
+        """The outcome of a completed solution, with a word of warning when the equilibrium is unstable."""
+        if not outcome.completed:
+            return outcome
+        _, _, k, j = self.equations.linearise(self.point, STATIC)
+        try:
+            self.newton.linear.factorise(k, j)
+        except SingularSystemError:
+            return replace(outcome, detail="at a critical point: the stiffness is singular")
+        negative = self.newton.linear.negative_pivots or 0
+        self.statistics.negative_pivots = negative
+        text = f"unstable: the stiffness has {negative} negative eigenvalue{'s' * (negative > 1)}"
+        return replace(outcome, detail=text) if negative else outcome
+
     def close(self, outcome: Outcome, on_failure: str) -> Result:
         """End the recording and give the result, or raise."""
+        outcome = self.judged(outcome)
         self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
         self.recorder.close(outcome, self.statistics)
         result = Result(self.model, self.recorder, self.state, outcome, self.statistics)
