@@ -2,8 +2,8 @@
 
     python benchmarks/plate_motion.py [--steps 500] [--mesh 6] [--force 10]
 
-The case: 1.5 x 2.0 m, [0/90/0], clamped at x = 0, a dead force at the middle of the free edge from t = 0, steps of 1 ms. Exudyn (an
-optional extra, ``pip install lamella[bench]``) runs with its fastest settings for this case, modified Newton and reduced
+The case: 1.5 x 2.0 m, [0/90/0], clamped at x = 0, a dead force at the middle of the free edge from t = 0, steps of 1 ms.
+Exudyn (an optional extra, ``pip install lamella[bench]``) runs with its fastest settings for this case, modified Newton and reduced
 integration, and with full integration as lamella's own. Counts (iterations, factorisations) do not depend on the machine.
 """
 
@@ -24,7 +24,7 @@ LAYUP = lm.Laminate(lm.Lamina(E1=181e9, E2=103e9, G12=7.7e9, nu12=0.28, rho=RHO)
 
 @dataclass(frozen=True)
 class Run:
-    """What one code did: CPU milliseconds and Newton iterations a step; the tip's mean deflection shows that the work is the same."""
+    """What one code did: CPU milliseconds and Newton iterations a step; the tip's mean deflection shows that the work is one."""
 
     name: str
     milliseconds: float

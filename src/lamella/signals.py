@@ -13,6 +13,8 @@ from lamella.roles import Floats
 from lamella.state import State
 
 AXES = ("x", "y", "z")
+LOAD_FACTOR = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
+"""Recorded first in statics."""
 
 
 def system_signals(equations: Equations) -> list[Signal]:

@@ -10,12 +10,11 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
-from lamella.dofs import Signal
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
-from lamella.signals import system_signals
+from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.solve.arc_length import ArcLength
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
@@ -159,9 +158,8 @@ class _Run:
 
     def open(self, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
         """Prepare to record, from the unloaded state on."""
-        factor = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
         self.recorder = Recorder(
-            [factor, *system_signals(self.equations)], self.axis, 0.0, until, sinks=(bar, *sinks) if bar else sinks
+            [LOAD_FACTOR, *system_signals(self.equations)], self.axis, 0.0, until, sinks=(bar, *sinks) if bar else sinks
         )
         self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began

@@ -15,8 +15,9 @@ Indices = NDArray[np.int32]
 class SumOperator:
     """y = E x, where row i of E lists the entries of x that are summed into y[i], with their factors.
 
-    SciPy's product costs several microseconds of checks at each call, as much as the sums themselves on small models. Rows are kept
-    in the order of their length, so that the loops over one, two or four entries have no branches: 1.6 times as fast as row by row.
+    SciPy's product costs several microseconds of checks at each call, as much as the sums themselves on small models. Rows are
+    kept in the order of their length, so that the loops over one, two or four entries have no branches: 1.6 times as fast as
+    row by row.
 
     Args:
         matrix: E, sparse (n_targets, n_sources).

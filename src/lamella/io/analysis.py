@@ -19,7 +19,7 @@ from lamella.model import Model
 from lamella.motion import simulate
 from lamella.result import Result, Sink
 from lamella.roles import Floats
-from lamella.signals import system_signals
+from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.solve.arc_length import ArcLength
 from lamella.solve.newton import Newton
 from lamella.state import State
@@ -28,9 +28,6 @@ from lamella.units import Number, Positive, Time
 
 Computed = Result | Modes
 Count = Annotated[int, Field(ge=1)]
-
-LOAD_FACTOR = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
-"""What static solutions sample before everything else."""
 
 
 class Analysis(ABC):
