@@ -3,8 +3,8 @@
     python benchmarks/plate_motion.py [--steps 500] [--mesh 6] [--force 10]
 
 The case: 1.5 x 2.0 m, [0/90/0], clamped at x = 0, a dead force at the middle of the free edge from t = 0, steps of 1 ms.
-Exudyn (an optional extra, ``pip install lamella[bench]``) runs with its fastest settings for this case, modified Newton and reduced
-integration, and with full integration as lamella's own. Counts (iterations, factorisations) do not depend on the machine.
+Exudyn (an optional extra, ``pip install lamella[bench]``) runs with its fastest settings for this case, modified Newton and
+reduced integration, and with full integration as lamella's own. Counts (iterations, factorisations) do not depend on the machine.
 """
 
 from __future__ import annotations

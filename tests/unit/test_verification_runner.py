@@ -6,6 +6,7 @@ import math
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from lamella.errors import DeclarationError, ModelError
@@ -45,6 +46,12 @@ def test_error_and_verdict(value, reference, tolerance, kind, error, passed) -> 
     check = Check("q", value, reference, tolerance, kind)
     assert check.error == pytest.approx(error, abs=1e-15)
     assert check.passed is passed
+
+
+def test_numbers_of_numpy_become_plain_ones() -> None:
+    check = Check("q", np.float64(1.0), np.float64(2.0), np.float64(0.1))
+    assert type(check.value) is float
+    assert type(check.passed) is bool
 
 
 def test_impossible_checks_are_refused() -> None:

@@ -42,6 +42,8 @@ class Check:
     unit: str = ""
 
     def __post_init__(self) -> None:
+        for name in ("value", "reference", "tolerance"):
+            object.__setattr__(self, name, float(getattr(self, name)))  # NumPy's numbers and verdicts are not JSON
         if self.kind not in get_args(Kind):
             raise DeclarationError(
                 f"Check '{self.quantity}'", f"kind = {self.kind!r}", f"accepted is {', '.join(get_args(Kind))}"
@@ -58,7 +60,7 @@ class Check:
     @property
     def error(self) -> float:
         """The error in the sense of ``kind``; never negative, infinite when the value is not a finite number."""
-        difference = float(self.value) - float(self.reference)
+        difference = self.value - self.reference
         if not math.isfinite(difference):
             return math.inf
         if self.kind == "relative":
