@@ -87,7 +87,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
     clock = np.zeros(1)
 
     def kinetic(state: State) -> float:
-        return 0.5 * float(state.v @ (model.mass @ state.v))
+        return 0.5 * float(state.v @ equations.momentum(state.v))
 
     def strain(state: State) -> float:
         return sum(block.energy(state.t, state.q) for block in model.forces)

@@ -10,7 +10,7 @@ from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.operator import SumOperator
+from lamella.assembly.operator import SumOperator, VectorOperator
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
 from lamella.roles import Floats
@@ -34,9 +34,11 @@ class Equations:
         self.forces, self.loads = ForceSum(model.forces, model.n_q), ForceSum(model.loads, model.n_q)
         self.constraints = ConstraintStack(model.constraints)
         blocks = (*model.forces, *model.loads)
+        self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
         self.expand, self._gather = SumOperator(self.elimination.T), SumOperator(self.elimination.T.T)
-        self._source, self._mass = SumOperator(self.elimination.G), SumOperator(model.mass)
+        self._source, self._mass = SumOperator(self.elimination.G), VectorOperator(model.mass)
+        self._at_rest = np.zeros(model.n_q)
         self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
 
     @cached_property
@@ -63,6 +65,10 @@ class Equations:
             held = self._source(self.elimination.right_hand_side(point.t, point.factor))
         return self.expand(point.u) + held
 
+    def _force_velocities(self, point: Point) -> Floats:
+        """Velocities where a force asks for them, else zeros, which cost nothing."""
+        return self.velocities(point) if self.depends_on_velocity else self._at_rest
+
     def velocities(self, point: Point) -> Floats:
         """All velocities, shape (n_q,)."""
         v = self.expand(point.ud)
@@ -75,7 +81,7 @@ class Equations:
 
     def residual(self, point: Point) -> tuple[Floats, Floats]:
         """r (n_u,) and Phi (n_lam,)."""
-        q, v = self.coordinates(point), self.velocities(point)
+        q, v = self.coordinates(point), self._force_velocities(point)
         return self._reduce(point, q, self.forces(point.t, q, v), self.loads(point.t, q, v))
 
     def linearise(self, point: Point, weights: Weights, previous: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats]:
@@ -86,7 +92,7 @@ class Equations:
             weights: how the unknown moves q, v and a.
             previous: coordinates q of Newton's previous iterate; see :class:`lamella.roles.ForceBlock`.
         """
-        q, v = self.coordinates(point), self.velocities(point)
+        q, v = self.coordinates(point), self._force_velocities(point)
         k, j = self.matrix.values(self.forces, self.loads, point, q, v, weights, q if previous is None else previous)
         r, phi = self._reduce(point, q, self.forces.summed(), self.loads.summed())
         return r, phi, k, j
@@ -101,6 +107,10 @@ class Equations:
         q, v = self.coordinates(point), self.velocities(point)
         moving = self._source(self.elimination.accelerations(point.t))
         return self.constraints.gamma(point.t, q, v) + self.constraints.times(point.t, q, moving)
+
+    def momentum(self, v: Floats) -> Floats:
+        """M v in all coordinates, shape (n_q,)."""
+        return self._mass(v)
 
     def inertia_force(self, udd: Floats) -> Floats:
         """T^T M T udd, shape (n_u,)."""

@@ -75,3 +75,37 @@ def _sum(group_ends: Indices, targets: Indices, sources: Indices, factors: Float
                     total += factors[k] * x[sources[k]]
                 out[targets[i]] = total
                 at += length
+
+
+class VectorOperator:
+    """y = (E x I3) x for vectors stacked in one array: the same sums for each component, with a third of the look-ups.
+
+    Args:
+        matrix: sparse (3 n, 3 n), the Kronecker product of a matrix (n, n) and the identity of order three, as every mass
+            matrix of vector coordinates is.
+    """
+
+    def __init__(self, matrix: sparse.csr_array) -> None:
+        scalar = sparse.csr_array(matrix[::3, ::3])
+        assert abs(matrix - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max()
+        self.starts: Indices = scalar.indptr.astype(np.int32)
+        self.sources: Indices = (3 * scalar.indices).astype(np.int32)
+        self.factors = scalar.data.astype(float)
+
+    def __call__(self, x: Floats) -> Floats:
+        """The sums in a new array, shape (3 n,)."""
+        out = np.empty(3 * (len(self.starts) - 1))
+        _sum_vectors(self.starts, self.sources, self.factors, x, out)
+        return out
+
+
+@njit
+def _sum_vectors(starts: Indices, sources: Indices, factors: Floats, x: Floats, out: Floats) -> None:
+    for i in range(len(starts) - 1):
+        a, b, c = 0.0, 0.0, 0.0
+        for k in range(starts[i], starts[i + 1]):
+            j = sources[k]
+            a += factors[k] * x[j]
+            b += factors[k] * x[j + 1]
+            c += factors[k] * x[j + 2]
+        out[3 * i], out[3 * i + 1], out[3 * i + 2] = a, b, c

@@ -154,6 +154,11 @@ class Multifrontal(SymmetricFactor):
 
     def solve(self, r: Floats) -> Floats:
         """K^-1 r by forward and back substitution."""
+        if r.ndim == 1:
+            z = np.zeros(len(self._coordinate))
+            z[self._position] = r
+            front_solution.solve(self._fronts, self._rows, self._a, self._signs, z, self._y)
+            return z[self._position]
         x, columns = np.empty_like(r), r.reshape(len(r), -1)
         out = x.reshape(columns.shape)
         z = np.zeros(len(self._coordinate))

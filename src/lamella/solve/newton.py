@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -17,6 +17,10 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.units import Positive
 
+ROUNDING = 1e-9
+"""A correction of this size that does not shrink any more is rounding."""
+SMALLEST = 1e-14
+"""Errors below this need no correction."""
 HALVINGS = 5
 """Halvings of a correction in one line search."""
 
@@ -25,11 +29,12 @@ HALVINGS = 5
 class Newton:
     """How equations are solved.
 
-    An iterate is accepted when the estimated error theta / (1 - theta) |du| falls below ``tolerance``, with theta the observed
-    contraction and |du| the largest correction relative to the size of the body (positions) or to 1 (slopes).
+    An iterate is accepted when the estimated error theta / (1 - theta) |du| is below ``tolerance`` times the change of the
+    solution since the start of the iteration, with theta the observed contraction and |.| the largest entry relative to the size
+    of the body (positions) or to 1 (slopes). It is a relative error of what a step adds, whatever the size of load or step.
 
     Args:
-        tolerance: error accepted [-].
+        tolerance: relative error accepted [-].
         max_iterations: iterations before giving up.
         keep: contraction up to which a factorisation is used again, 0 for Newton's method proper.
         line_search: once corrections grow, halve one that the next would outgrow (natural monotonicity test).
@@ -72,10 +77,11 @@ class NewtonSolver:
     def __init__(self, equations: Equations, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
         self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
         self._factored_for: Weights | None = None
+        self._per_magnitude = 1.0 / equations.magnitude
 
     def size(self, du: Floats) -> float:
         """Largest correction relative to the magnitude of its coordinate."""
-        return float(np.max(np.abs(du) / self.equations.magnitude, initial=0.0))
+        return float(np.abs(du * self._per_magnitude).max(initial=0.0))
 
     def forget(self) -> None:
         """Do not use the present factorisation again."""
@@ -89,14 +95,14 @@ class NewtonSolver:
             weights: how the unknown moves q, v and a.
             reference: coordinates q of the last solution, from which stress is extrapolated at the first iteration.
         """
-        previous = reference if self.options.extrapolate else None
+        before, start = None, point.u
         last = size = np.inf
         iteration = 0
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
             try:
-                r, phi = self._evaluate(point, weights, previous, fresh=fresh)
-                if not np.isfinite(r).all():
+                r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
+                if not np.isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 du, dlam = self.linear.solve(-r, -phi)
             except SingularSystemError as error:
@@ -112,12 +118,12 @@ class NewtonSolver:
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
-            previous = self.equations.coordinates(point) if self.options.extrapolate else None
+            before = point.u
             growing = self.options.line_search and contraction >= 1.0
             step = self._searched(point, weights, du, dlam) if growing else 1.0
-            self._move(point, weights, step * du, step * dlam)
+            self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
-            if contraction < 1.0 and step == 1.0 and size * contraction / (1.0 - contraction) <= self.options.tolerance:
+            if step == 1.0 and self._small_enough(size, contraction, point.u - start):
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
@@ -127,10 +133,23 @@ class NewtonSolver:
         self.forget()
         return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
 
-    def _evaluate(self, point: Point, weights: Weights, previous: Floats | None, *, fresh: bool) -> tuple[Floats, Floats]:
+    def _small_enough(self, size: float, contraction: float, change: Floats) -> bool:
+        """Whether the estimated error is within the tolerance, or the correction is rounding, which shrinks no further."""
+        if contraction >= 1.0:
+            return size < ROUNDING
+        error = size * contraction / (1.0 - contraction)
+        return error <= max(self.options.tolerance * self.size(change), SMALLEST)
+
+    def _evaluate(
+        self, point: Point, weights: Weights, reference: Floats | None, before: Floats | None, *, fresh: bool
+    ) -> tuple[Floats, Floats]:
+        """Residual, and a new factorisation if ``fresh``; ``before`` are the independent coordinates of the last iterate."""
         self.statistics.residuals += 1
         if not fresh:
             return self.equations.residual(point)
+        previous = None
+        if self.options.extrapolate:
+            previous = reference if before is None else self.equations.coordinates(replace(point, u=before))
         r, phi, k, j = self.equations.linearise(point, weights, previous)
         self.statistics.tangents += 1
         if np.isfinite(r).all():
@@ -146,10 +165,11 @@ class NewtonSolver:
         return f"nothing holds {self.equations.describe(error.index)}: a body or mechanism can move freely; add a support"
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
-        point.u += weights.alpha_q * du
-        point.ud += weights.alpha_v * du
-        point.udd += weights.alpha_a * du
-        point.lam += dlam
+        point.u = point.u + weights.alpha_q * du
+        if weights.alpha_a:
+            point.ud = point.ud + weights.alpha_v * du
+            point.udd = point.udd + weights.alpha_a * du
+        point.lam = point.lam + dlam
 
     def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> float:
         """A step length s that passes the natural monotonicity test (Deuflhard 2004, section 3.3).
