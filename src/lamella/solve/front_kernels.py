@@ -5,6 +5,8 @@ both by columns, of which the lower triangles count. Column lengths are multiple
 pivots are 1. The factorisation is K = L S L^T with S = diag(+-1), which is Cholesky's when all signs are positive.
 """
 
+# Stores of one tile stand side by side, as its rows do.
+# pyright: reportUnusedExpression=false
 from __future__ import annotations
 
 import math

@@ -19,6 +19,8 @@ from lamella.units import Positive
 
 ROUNDING = 1e-9
 """A correction of this size that does not shrink any more is rounding."""
+PATIENCE = 10
+"""Iterations within which a kept factorisation must promise to reach the tolerance."""
 SMALLEST = 1e-14
 """Errors below this need no correction."""
 HALVINGS = 5
@@ -114,7 +116,7 @@ class NewtonSolver:
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
             contraction = size / last if np.isfinite(last) else 0.5
-            if not fresh and np.isfinite(last) and contraction > self.options.keep:
+            if not fresh and np.isfinite(last) and not self._promising(size, contraction, point.u - start):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
@@ -127,11 +129,17 @@ class NewtonSolver:
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
-            if fresh and contraction > self.options.keep:
+            if fresh and not self._promising(size, contraction, point.u - start):
                 self.forget()
             last = size
         self.forget()
         return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
+
+    def _promising(self, size: float, contraction: float, change: Floats) -> bool:
+        """Whether the present factorisation contracts well enough to end the iteration soon."""
+        if contraction > self.options.keep:
+            return False
+        return size * contraction**PATIENCE <= max(self.options.tolerance * self.size(change), SMALLEST)
 
     def _small_enough(self, size: float, contraction: float, change: Floats) -> bool:
         """Whether the estimated error is within the tolerance, or the correction is rounding, which shrinks no further."""
