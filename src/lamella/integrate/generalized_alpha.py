@@ -26,7 +26,7 @@ else:
 
 DYNAMIC_NEWTON = Newton(tolerance=1e-6, keep=0.5)
 """A factorisation serves as long as it halves the error: an iteration without a new one costs a sixth of one with it. On a
-swinging plate this takes half as many iterations again as Newton's method proper, and half its factorisations."""
+swinging plate this takes up to twice the iterations of Newton's method proper, and a third to a half of its factorisations."""
 
 LARGEST_TURN = 1.0
 """Largest change of a slope in one step [rad]. The equations of a long step have further solutions in which elements are folded

@@ -19,7 +19,7 @@ from lamella.units import Positive
 
 ROUNDING = 1e-9
 """A correction of this size that does not shrink any more is rounding."""
-PATIENCE = 10
+PATIENCE = 16
 """Iterations within which a kept factorisation must promise to reach the tolerance."""
 SMALLEST = 1e-14
 """Errors below this need no correction."""
