@@ -116,7 +116,8 @@ class NewtonSolver:
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
             contraction = size / last if np.isfinite(last) else 0.5
-            if not fresh and np.isfinite(last) and not self._promising(size, contraction, point.u - start):
+            goal = max(self.options.tolerance * self.size(point.u + du - start), SMALLEST)
+            if not fresh and np.isfinite(last) and not self._promising(size, contraction, goal):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
@@ -125,28 +126,27 @@ class NewtonSolver:
             step = self._searched(point, weights, du, dlam) if growing else 1.0
             self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
-            if step == 1.0 and self._small_enough(size, contraction, point.u - start):
+            if step == 1.0 and self._small_enough(size, contraction, goal):
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
-            if fresh and not self._promising(size, contraction, point.u - start):
+            if fresh and not self._promising(size, contraction, goal):
                 self.forget()
             last = size
         self.forget()
         return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
 
-    def _promising(self, size: float, contraction: float, change: Floats) -> bool:
+    def _promising(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the present factorisation contracts well enough to end the iteration soon."""
         if contraction > self.options.keep:
             return False
-        return size * contraction**PATIENCE <= max(self.options.tolerance * self.size(change), SMALLEST)
+        return size * contraction**PATIENCE <= goal
 
-    def _small_enough(self, size: float, contraction: float, change: Floats) -> bool:
+    def _small_enough(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the estimated error is within the tolerance, or the correction is rounding, which shrinks no further."""
         if contraction >= 1.0:
             return size < ROUNDING
-        error = size * contraction / (1.0 - contraction)
-        return error <= max(self.options.tolerance * self.size(change), SMALLEST)
+        return size * contraction / (1.0 - contraction) <= goal
 
     def _evaluate(
         self, point: Point, weights: Weights, reference: Floats | None, before: Floats | None, *, fresh: bool
