@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from lamella.errors import ModelError
+from lamella.kinematics import Frame, VectorRows
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock, Ints
 
 if TYPE_CHECKING:
@@ -64,148 +65,60 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class VectorRows:
-    """A vector in space as a linear function of coordinate vectors x_k: sum_k weight_k x_k + constant.
+class DotRow:
+    """One constraint sum_k c_k u_k . w_k = constant + motion(t), at most quadratic in the coordinates.
+
+    In coordinates that are vectors every joint is a list of such rows: that two lines are perpendicular, that a point lies on
+    an axis, that a director has unit length.
 
     Args:
-        vectors: numbers of the coordinate vectors, each once, shape (n,).
-        weights: their weights, shape (n,).
-        constant: constant part, shape (3,); the whole of it for what is fixed in space.
+        label: says in words what is held, for messages.
+        terms: (c_k, u_k, w_k).
+        constant: right-hand side without motion.
+        motion: prescribed motion added to the right-hand side.
     """
 
-    vectors: Ints
-    weights: Floats
-    constant: Floats
+    label: str
+    terms: tuple[tuple[float, VectorRows, VectorRows], ...]
+    constant: float = 0.0
+    motion: Motion | None = None
 
-    @classmethod
-    def fixed(cls, constant: Floats) -> VectorRows:
-        """A vector fixed in the inertial frame."""
-        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.asarray(constant, float))
-
-    @classmethod
-    def single(cls, vector: int) -> VectorRows:
-        """One coordinate vector."""
-        return cls(np.array([vector], dtype=np.int64), np.ones(1), np.zeros(3))
-
-    def at(self, vectors: Floats) -> Floats:
-        """Its value; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return self.weights @ vectors[self.vectors] + self.constant
-
-    def rate(self, velocities: Floats) -> Floats:
-        """Its derivative by time from those of all coordinate vectors, shape (n_vectors, 3)."""
-        return self.weights @ velocities[self.vectors]
-
-    def __add__(self, other: VectorRows) -> VectorRows:
-        return _combined(self, other, 1.0)
-
-    def __sub__(self, other: VectorRows) -> VectorRows:
-        return _combined(self, other, -1.0)
-
-    def __mul__(self, factor: float) -> VectorRows:
-        return VectorRows(self.vectors, factor * self.weights, factor * self.constant)
-
-    __rmul__ = __mul__
-
-    def __neg__(self) -> VectorRows:
-        return self * -1.0
-
-
-def _combined(a: VectorRows, b: VectorRows, factor: float) -> VectorRows:
-    """a + factor b with each coordinate vector listed once and cancelled ones left out."""
-    vectors, inverse = np.unique(np.concatenate([a.vectors, b.vectors]), return_inverse=True)
-    weights = np.bincount(inverse, np.concatenate([a.weights, factor * b.weights]), minlength=len(vectors)).astype(float)
-    largest = max(np.abs(a.weights).max(initial=0.0), np.abs(b.weights).max(initial=0.0))
-    used = np.abs(weights) > 1e-14 * largest  # differences of equal weights are rounding
-    return VectorRows(vectors[used], weights[used], a.constant + factor * b.constant)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A point with three orthonormal axes that move with a body; each is a linear function of coordinate vectors.
-
-    Args:
-        origin: position.
-        axes: the axes x, y, z.
-    """
-
-    origin: VectorRows
-    axes: tuple[VectorRows, VectorRows, VectorRows]
-
-    @property
-    def x(self) -> VectorRows:
-        """First axis."""
-        return self.axes[0]
-
-    @property
-    def y(self) -> VectorRows:
-        """Second axis."""
-        return self.axes[1]
-
-    @property
-    def z(self) -> VectorRows:
-        """Third axis."""
-        return self.axes[2]
-
-    def rotation(self, vectors: Floats) -> Floats:
-        """Rotation matrix R_WF, whose columns are the axes; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return np.stack([axis.at(vectors) for axis in self.axes], axis=1)
-
-
-@dataclass(frozen=True)
-class PointRows:
-    """A material point as a linear function of coordinate vectors x_k: r = sum_k position_k x_k + offset.
-
-    Args:
-        vectors: numbers of the coordinate vectors, shape (n,).
-        position: weights of the position, shape (n,).
-        slope_x: weights of the first tangent r_x at the point, shape (n,).
-        slope_y: weights of the second tangent r_y, shape (n,).
-        offset: constant part of the position [m], shape (3,).
-    """
-
-    vectors: Ints
-    position: Floats
-    slope_x: Floats
-    slope_y: Floats
-    offset: Floats
-
-    def at(self, vectors: Floats) -> Floats:
-        """Position [m] of the point; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return self.position @ vectors[self.vectors] + self.offset
-
-    def moved(self, velocities: Floats) -> Floats:
-        """Velocity [m/s] (or virtual displacement) of the point from those of all vectors, shape (n_vectors, 3)."""
-        return self.position @ velocities[self.vectors]
-
-    @property
-    def point(self) -> VectorRows:
-        """The position."""
-        used = self.position != 0.0
-        return VectorRows(self.vectors[used], self.position[used], self.offset)
-
-    @property
-    def tangents(self) -> tuple[VectorRows, VectorRows]:
-        """The tangents r_x and r_y."""
-        none = np.zeros(3)
-        used_x, used_y = self.slope_x != 0.0, self.slope_y != 0.0
-        return (
-            VectorRows(self.vectors[used_x], self.slope_x[used_x], none),
-            VectorRows(self.vectors[used_y], self.slope_y[used_y], none),
-        )
-
-    def normal(self, vectors: Floats) -> Floats:
-        """Unit normal r_x x r_y / |r_x x r_y| at the point."""
-        n = np.cross(self.slope_x @ vectors[self.vectors], self.slope_y @ vectors[self.vectors])
-        return n / np.linalg.norm(n)
+    def linear(self) -> LinearRow | None:
+        """The same row as a linear one when one vector of every term is fixed in space, else None."""
+        coords, coefs, constant = [], [], self.constant
+        for c, u, w in self.terms:
+            if len(u.vectors) and len(w.vectors):
+                return None
+            fixed, moving = (u, w) if len(w.vectors) else (w, u)
+            constant -= c * float(fixed.constant @ moving.constant)
+            direction = np.where(np.abs(fixed.constant) > 1e-15 * np.abs(fixed.constant).max(), fixed.constant, 0.0)
+            for component in np.flatnonzero(direction):
+                coords.append(3 * moving.vectors + component)
+                coefs.append(c * direction[component] * moving.weights)
+        unique, inverse = np.unique(np.concatenate(coords), return_inverse=True)
+        summed = np.bincount(inverse, np.concatenate(coefs), minlength=len(unique)).astype(float)
+        return LinearRow(self.label, unique, summed, constant, self.motion)
 
 
 @dataclass(frozen=True)
 class Support:
-    """The rows of one support, with the point its reaction torque refers to."""
+    """What holds a body: its rows, the point its torque refers to, and the side on which its reaction is counted.
+
+    Args:
+        name: the support's or joint's name.
+        rows: numbers of its linear rows.
+        centre: the point to which the torque refers.
+        dots: numbers of its rows among the dot rows of the joints.
+        side: name of the body on which the reaction acts; every body when None.
+        frame: joint frame in which the reaction is reported as well, None for the inertial frame alone.
+    """
 
     name: str
     rows: tuple[int, ...]
-    centre: PointRows
+    centre: VectorRows
+    dots: tuple[int, ...] = ()
+    side: str | None = None
+    frame: Frame | None = None
 
 
 @dataclass
@@ -221,16 +134,21 @@ class Build:
     inertias: list[InertiaBlock] = field(default_factory=list)
     constraints: list[ConstraintBlock] = field(default_factory=list)
     rows: list[LinearRow] = field(default_factory=list)
+    dots: list[DotRow] = field(default_factory=list)
+    body_dots: list[DotRow] = field(default_factory=list)
     supports: list[Support] = field(default_factory=list)
     signals: list[Signal] = field(default_factory=list)
     bodies: dict[str, object] = field(default_factory=dict)
     breakpoints: list[float] = field(default_factory=list)
+    frames: dict[str, Frame] = field(default_factory=dict)
+    owners: list[str] = field(default_factory=list)
     n_vectors: int = 0
 
-    def vectors(self, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
+    def vectors(self, owner: str, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
         """Number a body's coordinate vectors.
 
         Args:
+            owner: name of the body.
             q: initial values, shape (n, 3).
             v: initial velocities, shape (n, 3).
             is_position: True where a vector is a position (moved by a translation), shape (n,).
@@ -246,16 +164,46 @@ class Build:
         self.is_position.append(np.asarray(is_position, bool))
         self.magnitude.append(np.asarray(magnitude, float))
         self.n_vectors += len(q)
+        self.owners.extend([owner] * len(q))
         return first
 
-    def hold(self, name: str, rows: list[LinearRow], centre: PointRows) -> None:
-        """Add a support: linear rows whose reaction force, and torque about ``centre``, are reported under ``name``."""
-        first = len(self.rows)
+    @property
+    def initial(self) -> Floats:
+        """All coordinate vectors numbered so far in the reference configuration, shape (n_vectors, 3)."""
+        return np.concatenate(self.q) if self.q else np.zeros((0, 3))
+
+    def hold(
+        self,
+        name: str,
+        rows: Sequence[LinearRow | DotRow],
+        centre: VectorRows,
+        side: str | None = None,
+        frame: Frame | None = None,
+    ) -> None:
+        """Add a support or joint, whose reaction force, and torque about ``centre``, are reported under ``name``.
+
+        Rows that are linear are eliminated, the others take multipliers. The arguments are those of :class:`Support`.
+        """
+        linear, dots = len(self.rows), len(self.dots)
         for row in rows:
             if row.motion is not None:
                 self.breakpoints.extend(row.motion.breakpoints)
-        self.rows.extend(rows)
-        self.supports.append(Support(name, tuple(range(first, first + len(rows))), centre))
+            self._add(row, self.dots)
+        numbers = tuple(range(linear, len(self.rows))), tuple(range(dots, len(self.dots)))
+        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame))
+
+    def tie(self, rows: Sequence[LinearRow | DotRow]) -> None:
+        """Add the equations by which a body holds itself together; they have no reaction that is reported."""
+        for row in rows:
+            self._add(row, self.body_dots)
+
+    def _add(self, row: LinearRow | DotRow, dots: list[DotRow]) -> None:
+        found = row.linear() if isinstance(row, DotRow) else row
+        if found is not None:
+            self.rows.append(found)
+        else:
+            assert isinstance(row, DotRow)
+            dots.append(row)
 
     def body(self, name: str) -> object:
         """The compiled form of a body, by its name."""

@@ -111,14 +111,32 @@ class ConstraintBlock(ABC):
     3. ``phi_t`` is the partial derivative by time; ``gamma`` = (Phi_q v)_q v + 2 Phi_qt v + Phi_tt, so that
        Phi_q a = -gamma on the constraint.
     4. Buffers are overwritten, nothing is allocated per item.
+    5. ``labels`` says for each row in words what it holds.
+    6. ``body`` is True for equations by which a body holds itself together: two bodies joined along a line may hold the same
+       director at unit length, and then one of the two rows is left out without a word.
+    7. Where a row is c(q) = p(t) with a prescribed p, ``prescribed`` gives p: the work of the row's force is -lam dp.
     """
 
     name: str
     n_lam: int
+    body: bool = False
+    moves: bool = False
+    """Whether time enters."""
+    first: int = 0
+    """Number of the block's first multiplier in a state; set when a model is made."""
     j_rows: Ints
     j_cols: Ints
     k_rows: Ints
     k_cols: Ints
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What each row holds, in words."""
+        return (f"'{self.name}'",) * self.n_lam
+
+    def prescribed(self, t: float) -> Floats:
+        """Prescribed values p(t) of the rows, shape (n_lam,)."""
+        return np.zeros(self.n_lam)
 
     @abstractmethod
     def phi(self, t: float, q: Floats, out: Floats) -> None:
