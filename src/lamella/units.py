@@ -83,7 +83,7 @@ def quantity(unit: str, **limits: float) -> Any:
 if TYPE_CHECKING:
     Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
     Force = ForcePerLength = Pressure = Torque = TorquePerLength = Velocity = AngularVelocity = Acceleration = Rate = float
-    Expansion = float
+    Expansion = Inertia = Product = float
 else:
     Number = quantity("")
     Positive = quantity("", gt=0)
@@ -105,3 +105,5 @@ else:
     Acceleration = quantity("m/s^2")
     Rate = quantity("1/s", ge=0)
     Expansion = quantity("1/K")
+    Inertia = quantity("kg*m^2", gt=0)
+    Product = quantity("kg*m^2")

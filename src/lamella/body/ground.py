@@ -8,7 +8,8 @@ import numpy as np
 
 from lamella.body.base import Body, Marker
 from lamella.declaration import declaration
-from lamella.dofs import PointRows
+from lamella.kinematics import Frame, PointRows, VectorRows
+from lamella.roles import Floats
 from lamella.units import Length
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ class Ground(Body):
     name: str = "ground"
     markers: dict[str, tuple[Length, Length, Length]] | None = None
 
+    has_axes = True
+
     def marker(self, name: str, x: float, y: float, z: float) -> Marker:
         """A named point (x, y, z) [m] fixed in space."""
         return Marker(self, name, (x, y, z))
@@ -39,3 +42,8 @@ class Ground(Body):
         """A constant point."""
         none = np.zeros(0)
         return PointRows(np.zeros(0, dtype=np.int64), none, none, none, np.asarray(at, float))
+
+    def frame(self, build: Build, at: tuple[float, ...], axes: Floats) -> Frame:
+        """A frame fixed in space."""
+        x, y, z = (VectorRows.fixed(axis) for axis in np.asarray(axes).T)
+        return Frame(VectorRows.fixed(np.asarray(at, float)), (x, y, z))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.body.sample import PlateSample
-from lamella.dofs import PointRows
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.recovery import ShellRecovery
+from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
 

@@ -9,14 +9,16 @@ from pydantic import Field
 
 from lamella.body.base import Body, Marker
 from lamella.body.mesh import PlateMesh
+from lamella.body.plate_frame import plate_frame, rigid_rows
 from lamella.declaration import declaration
-from lamella.dofs import PointRows
 from lamella.element.base import ELEMENTS
 from lamella.element.plate48.block import STRAIN_MODELS, ShellInertia
 from lamella.element.plate48.damping import KelvinVoigtBlock, MassDampingBlock
 from lamella.errors import DeclarationError
+from lamella.kinematics import Frame, PointRows
 from lamella.material.laminate import Laminate
 from lamella.math.rotation import matrix_from_vector
+from lamella.roles import Floats
 from lamella.units import Angle, AngularVelocity, Length, Rate, Thickness, Velocity, quantity
 
 if TYPE_CHECKING:
@@ -60,7 +62,8 @@ class Plate(Body):
         rotation: rotation vector that turns the plate's axes from the inertial ones [rad].
         velocity: initial velocity of the point x = y = 0 [m/s].
         angular_velocity: initial angular velocity in the inertial frame [rad/s].
-        strain: ``exact`` (Kirchhoff-Love, large displacements) or a small-deformation comparator on the same mesh.
+        strain: ``exact`` (Kirchhoff-Love, large displacements), a small-deformation comparator on the same mesh, or ``rigid``: a
+            panel of the same geometry and mass that keeps its shape.
         n_gauss: Gauss points in each direction of an element.
         damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt); rigid rotation is not damped.
         mass_damping: mass-proportional damping [1/s]: force -c M v; it damps every motion.
@@ -76,7 +79,7 @@ class Plate(Body):
     rotation: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
     velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
     angular_velocity: tuple[AngularVelocity, AngularVelocity, AngularVelocity] = (0.0, 0.0, 0.0)
-    strain: Literal["exact", "linear"] = "exact"
+    strain: Literal["exact", "linear", "rigid"] = "exact"
     n_gauss: Literal[3, 4, 5] = 4
     damping: Seconds = 0.0
     mass_damping: Rate = 0.0
@@ -120,13 +123,16 @@ class Plate(Body):
         q[mesh.is_position] += self.position
         spin = np.cross(self.angular_velocity, q - np.where(mesh.is_position[:, None], self.position, 0.0))
         v = spin + np.where(mesh.is_position[:, None], self.velocity, 0.0)
-        mesh.place(build.vectors(q, v, mesh.is_position, mesh.magnitude), q)
+        mesh.place(build.vectors(self.name, q, v, mesh.is_position, mesh.magnitude), q)
         build.bodies[self.name] = mesh
         arguments = (mesh.coords, mesh.scale, mesh.reference)
-        build.forces.append(STRAIN_MODELS[self.strain](self.name, *arguments, self.laminate.stiffness, self.n_gauss))
+        if self.strain == "rigid":
+            build.tie(rigid_rows(mesh))
+        else:
+            build.forces.append(STRAIN_MODELS[self.strain](self.name, *arguments, self.laminate.stiffness, self.n_gauss))
         inertia = ShellInertia(self.name, *arguments, self.laminate.mass_per_area)
         build.inertias.append(inertia)
-        if self.damping > 0:
+        if self.damping > 0 and self.strain != "rigid":
             build.forces.append(KelvinVoigtBlock(self.name, *arguments, self.laminate.stiffness, self.damping, self.n_gauss))
         if self.mass_damping > 0:
             build.forces.append(MassDampingBlock(self.name, inertia, self.mass_damping))
@@ -142,6 +148,10 @@ class Plate(Body):
     def locate(self, build: Build, at: tuple[float, ...]) -> PointRows:
         """Weights of the nodal vectors at (x, y)."""
         return self.compiled(build).locate((at[0], at[1]))
+
+    def frame(self, build: Build, at: tuple[float, ...], axes: Floats) -> Frame:
+        """A frame at (x, y) that turns with the tangents and the exact normal."""
+        return plate_frame(build, self.compiled(build), at, axes)
 
     def _check_inside(self, name: str, at: tuple[float, float]) -> None:
         for value, length, axis in zip(at, self.size, "xy", strict=True):

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from lamella.dofs import PointRows, Signal
+import numpy as np
+
+from lamella.body.rigid_frame import RigidFrame
+from lamella.dofs import Signal
+from lamella.kinematics import PointRows
+from lamella.math.rotation import euler_from_rotation, quaternion_from_rotation
+from lamella.roles import Floats
+from lamella.state import State
 
 AXES = ("x", "y", "z")
 
@@ -12,4 +19,36 @@ def marker_signals(name: str, where: str, rows: PointRows) -> list[Signal]:
     return [
         Signal(f"{name}.position", "m", AXES, lambda state: rows.at(state.q.reshape(-1, 3)), f"position of {where}"),
         Signal(f"{name}.velocity", "m/s", AXES, lambda state: rows.moved(state.v.reshape(-1, 3)), f"velocity of {where}"),
+    ]
+
+
+def rigid_signals(name: str, frame: RigidFrame) -> list[Signal]:
+    """Position, velocity and orientation of a rigid body, and its angular velocity w = 1/2 sum_i d_i x d_i'."""
+    first, axes = frame.first, slice(frame.first + 1, frame.first + 4)
+
+    def angular_velocity(state: State) -> Floats:
+        d, rate = state.q.reshape(-1, 3)[axes], state.v.reshape(-1, 3)[axes]
+        return 0.5 * np.cross(d, rate).sum(axis=0)
+
+    elements = tuple(f"{i}{j}" for i in AXES for j in AXES)
+    where = f"the origin of {name}"
+    return [
+        Signal(f"{name}.position", "m", AXES, lambda state: state.q.reshape(-1, 3)[first].copy(), f"position of {where}"),
+        Signal(f"{name}.velocity", "m/s", AXES, lambda state: state.v.reshape(-1, 3)[first].copy(), f"velocity of {where}"),
+        Signal(f"{name}.rotation", "1", elements, lambda s: frame.rotation(s.q).reshape(-1), f"rotation matrix of {name}"),
+        Signal(
+            f"{name}.quaternion",
+            "1",
+            ("w", "x", "y", "z"),
+            lambda s: quaternion_from_rotation(frame.rotation(s.q)),
+            f"orientation of {name} as a unit quaternion",
+        ),
+        Signal(
+            f"{name}.euler",
+            "rad",
+            ("yaw", "pitch", "roll"),
+            lambda s: euler_from_rotation(frame.rotation(s.q)),
+            f"orientation of {name} as angles about the turned axes z, y, x",
+        ),
+        Signal(f"{name}.angular_velocity", "rad/s", AXES, angular_velocity, f"angular velocity of {name} in the inertial frame"),
     ]

@@ -90,6 +90,46 @@ def euler_from_matrix(R: Floats, axes: str = "ZYX") -> Floats:
     return _transform().from_matrix(np.asarray(R, float)).as_euler(axes)
 
 
+def quaternion_from_rotation(R: Floats) -> Floats:
+    """Unit quaternion of one rotation matrix, without SciPy's set-up: for what is recorded at every step.
+
+    Args:
+        R: rotation matrix [-], shape (3, 3).
+
+    Returns:
+        (w, x, y, z) with w >= 0 [-], shape (4,).
+
+    Source: Shepperd (1978), Quaternion from rotation matrix.
+    """
+    # 4 q q^T; its row with the largest diagonal entry is the best conditioned
+    Q = np.array(
+        [
+            [1 + R[0, 0] + R[1, 1] + R[2, 2], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+            [R[2, 1] - R[1, 2], 1 + R[0, 0] - R[1, 1] - R[2, 2], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0]],
+            [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], 1 - R[0, 0] + R[1, 1] - R[2, 2], R[1, 2] + R[2, 1]],
+            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], 1 - R[0, 0] - R[1, 1] + R[2, 2]],
+        ]
+    )
+    row = Q[int(np.argmax(Q.diagonal()))]
+    return row / (np.linalg.norm(row) * (1.0 if row[0] >= 0 else -1.0))
+
+
+def euler_from_rotation(R: Floats) -> Floats:
+    """Yaw, pitch and roll of one rotation matrix: R = R_z(yaw) R_y(pitch) R_x(roll), about the turned axes z, y, x.
+
+    Args:
+        R: rotation matrix [-], shape (3, 3).
+
+    Returns:
+        Angles [rad], shape (3,), with the pitch within +-pi/2. At a pitch of +-pi/2 yaw and roll turn about one axis; the roll
+        is then zero.
+    """
+    sine = min(max(-float(R[2, 0]), -1.0), 1.0)
+    if abs(sine) > 1.0 - 1e-12:
+        return np.array([np.arctan2(-R[0, 1], R[1, 1]), np.copysign(np.pi / 2, sine), 0.0])
+    return np.array([np.arctan2(R[1, 0], R[0, 0]), np.arcsin(sine), np.arctan2(R[2, 1], R[2, 2])])
+
+
 def polar(F: Floats) -> tuple[Floats, Floats]:
     """Rotation and stretch of a deformation gradient, ``F = R U``.
 
