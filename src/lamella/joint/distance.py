@@ -6,9 +6,9 @@ import numpy as np
 
 from lamella.body.base import Marker
 from lamella.declaration import declaration
-from lamella.dofs import Build, PointRows, Signal
+from lamella.dofs import Build, Signal
 from lamella.errors import DeclarationError
-from lamella.joint.rows import initial_vectors
+from lamella.kinematics import PointRows
 from lamella.roles import ConstraintBlock, Declaration, Floats, Ints
 from lamella.state import State
 from lamella.units import Thickness
@@ -35,20 +35,25 @@ class DistanceJoint(Declaration):
     def contribute(self, build: Build) -> None:
         """Add one nonlinear constraint and its signals."""
         a, b = self.a.rows(build), self.b.rows(build)
-        vectors = initial_vectors(build)
+        vectors = build.initial
         distance = float(np.linalg.norm(b.at(vectors) - a.at(vectors)))
         if distance == 0.0:
             raise DeclarationError(
                 f"DistanceJoint '{self.name}'", f"{self.a} and {self.b} coincide", "accepted are two distinct points"
             )
         block = DistanceBlock(self.name, a, b, self.length or distance)
-        index = sum(other.n_lam for other in build.constraints)
         build.constraints.append(block)
         build.signals.append(
-            Signal(f"{self.name}.tension", "N", (), lambda s: float(s.lam[index]), f"axial force in {self.name}")
+            Signal(f"{self.name}.tension", "N", (), lambda s: float(s.lam[block.first]), f"axial force in {self.name}")
         )
         build.signals.append(
-            Signal(f"{self.name}.force", "N", ("x", "y", "z"), lambda s: -s.lam[index] * block.direction(s), f"force on {self.b}")
+            Signal(
+                f"{self.name}.force",
+                "N",
+                ("x", "y", "z"),
+                lambda s: -s.lam[block.first] * block.direction(s),
+                f"force on {self.b}",
+            )
         )
 
 

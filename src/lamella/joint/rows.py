@@ -8,20 +8,15 @@ import numpy as np
 
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
-from lamella.dofs import Build, LinearRow, Motion, PointRows
-from lamella.roles import Floats
+from lamella.dofs import Build, LinearRow, Motion
+from lamella.kinematics import VectorRows
 
 AXES = "xyz"
 
 
-def initial_vectors(build: Build) -> Floats:
-    """All coordinate vectors numbered so far in the reference configuration, shape (n, 3)."""
-    return np.concatenate(build.q) if build.q else np.zeros((0, 3))
-
-
 def hold_vector(build: Build, vector: int, label: str, axes: str, motions: Mapping[str, Motion] | None = None) -> list[LinearRow]:
     """Hold components of one coordinate vector at their reference values plus motions."""
-    reference = initial_vectors(build)[vector]
+    reference = build.initial[vector]
     return [
         LinearRow(
             f"{axis} of {label}",
@@ -42,7 +37,7 @@ def hold_point(
     values = getattr(rows, weights)
     used = values != 0.0
     vectors, values = rows.vectors[used], values[used]
-    reference = values @ initial_vectors(build)[vectors]
+    reference = values @ build.initial[vectors]
     return [
         LinearRow(
             f"{axis} of {'the position' if weights == 'position' else weights} at {marker}",
@@ -68,11 +63,10 @@ def hold_edge(
     return rows
 
 
-def centre(build: Build, on: Edge | Marker) -> PointRows:
+def centre(build: Build, on: Edge | Marker) -> VectorRows:
     """The point to which a support's torque refers: the marker, or the mean of the edge's nodes."""
     if isinstance(on, Marker):
-        return on.rows(build)
+        return on.rows(build).point
     mesh = on.body.compiled(build)
     vectors = np.array([mesh.vector(int(node), "r") for node in mesh.edge_nodes(on.side)])
-    none = np.zeros(len(vectors))
-    return PointRows(vectors, np.full(len(vectors), 1.0 / len(vectors)), none, none, np.zeros(3))
+    return VectorRows(vectors, np.full(len(vectors), 1.0 / len(vectors)), np.zeros(3))

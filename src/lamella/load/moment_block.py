@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lamella.body.base import PointRows
 from lamella.dofs import Motion
+from lamella.kinematics import PointRows
 from lamella.load.moment_kernels import Vector, moment_forces, moment_tangents
 from lamella.roles import Floats, ForceBlock, Ints, Symmetry
 
