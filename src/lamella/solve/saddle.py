@@ -9,15 +9,22 @@ from scipy.sparse.linalg import splu
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Ints
 
+SWEEPS = 4
+"""Sweeps of equilibration; each halves the orders of magnitude by which the largest entries differ from 1."""
+
 
 class SaddleMatrix:
-    """A = [[K, J^T], [J, 0]] in compressed columns, scaled to S A S with entries of at most 1.
+    """A = [[K, J^T], [J, 0]] in compressed columns, scaled to S A S with entries of about 1.
 
     The rows of a twist r_xy are many orders of magnitude smaller than those of a position r, and those of a constraint smaller
-    than those of a stiffness; unscaled, pivot thresholds compare numbers of different units. With m_i the largest entry of row
-    and column i of K,
+    than those of a stiffness; unscaled, pivot thresholds compare numbers of different units. A few sweeps
 
-        s_i = m_i^-1/2  (coordinates),      s_i = 1 / max_j |J_ij s_j|  (multipliers)
+        s_i <- s_i / sqrt(max_j |s_i A_ij s_j|)
+
+    bring the largest entry of every row near 1, whatever K and J hold: coordinates without mass and stiffness, which constraints
+    alone determine, are scaled by these.
+
+    Source: D. Ruiz, A scaling algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034.
 
     Args:
         pattern: sparsity pattern of K and J.
@@ -30,7 +37,6 @@ class SaddleMatrix:
         self.order = np.arange(self.size) if order is None else np.asarray(order, np.int64)
         kr, kc = pattern.rows, np.asarray(pattern.indices, np.int64)
         jr, jc = pattern.j_rows + n, np.asarray(pattern.j_indices, np.int64)
-        self._k_rows, self._k_cols, self._j_rows, self._j_cols = kr, kc, jr - n, jc
         k_source, j_source = np.arange(len(kr)), len(kr) + np.arange(len(jr))
         mirrored = np.flatnonzero(kr != kc) if pattern.symmetric else np.zeros(0, np.int64)
         rows = np.concatenate([kr, kc[mirrored], jr, jc])
@@ -47,18 +53,17 @@ class SaddleMatrix:
 
     def fill(self, k: Floats, j: Floats) -> None:
         """Set the values of K and J, in the order of the pattern, and equilibrate."""
-        n = self.pattern.n
-        largest = np.zeros(n)
-        size = np.abs(k)
-        np.maximum.at(largest, self._k_rows, size)
-        np.maximum.at(largest, self._k_cols, size)
-        s = np.ones(self.size)
-        s[:n] = 1 / np.sqrt(np.where(largest > 0, largest, 1.0))
-        largest = np.zeros(self.pattern.n_lam)
-        np.maximum.at(largest, self._j_rows, np.abs(j) * s[self._j_cols])
-        s[n:] = 1 / np.where(largest > 0, largest, 1.0)
-        self.scale = s[self.order]
-        self.matrix.data[:] = np.concatenate([k, j])[self._source] * self.scale[self._rows] * self.scale[self._cols]
+        values = np.concatenate([k, j])[self._source]
+        data, scale = np.abs(values), np.ones(self.size)
+        for _ in range(SWEEPS):
+            largest = np.maximum.reduceat(data, self.matrix.indptr[:-1])
+            if not self.pattern.symmetric:
+                np.maximum.at(largest, self._rows, data)
+            factor = 1 / np.sqrt(np.where(largest > 0, largest, 1.0))
+            data *= factor[self._rows] * factor[self._cols]
+            scale *= factor
+        self.scale = scale
+        self.matrix.data[:] = values * scale[self._rows] * scale[self._cols]
 
     def scaled(self, r: Floats, s: Floats) -> Floats:
         """Right-hand side of the equilibrated, ordered system, shape (n + n_lam,)."""
