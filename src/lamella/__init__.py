@@ -14,13 +14,26 @@ if TYPE_CHECKING:
     from lamella.body.ground import Ground as Ground
     from lamella.body.plate import Edge as Edge
     from lamella.body.plate import Plate as Plate
+    from lamella.body.rigid import RigidBody as RigidBody
+    from lamella.body.shape import Box as Box
+    from lamella.body.shape import Cylinder as Cylinder
+    from lamella.body.shape import Sphere as Sphere
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
+    from lamella.joint.cylindrical import CylindricalJoint as CylindricalJoint
     from lamella.joint.distance import DistanceJoint as DistanceJoint
+    from lamella.joint.fixed import FixedJoint as FixedJoint
+    from lamella.joint.hinge import EdgeHinge as EdgeHinge
+    from lamella.joint.point_on_line import PointInPlaneJoint as PointInPlaneJoint
+    from lamella.joint.point_on_line import PointOnLineJoint as PointOnLineJoint
+    from lamella.joint.prismatic import PrismaticJoint as PrismaticJoint
+    from lamella.joint.revolute import RevoluteJoint as RevoluteJoint
+    from lamella.joint.spherical import SphericalJoint as SphericalJoint
     from lamella.joint.support import EdgeSupport as EdgeSupport
     from lamella.joint.support import PointSupport as PointSupport
     from lamella.joint.support import PrescribedMotion as PrescribedMotion
+    from lamella.joint.universal import UniversalJoint as UniversalJoint
     from lamella.load.force import EdgeForce as EdgeForce
     from lamella.load.force import PointForce as PointForce
     from lamella.load.force import SurfaceForce as SurfaceForce
@@ -55,6 +68,23 @@ _HOME = {
     "body.plate": ("Edge", "Plate"),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
     "io.results": ("read_result",),
+    "body.rigid": ("RigidBody",),
+    "body.shape": (
+        "Box",
+        "Cylinder",
+        "Sphere",
+    ),
+    "joint.cylindrical": ("CylindricalJoint",),
+    "joint.fixed": ("FixedJoint",),
+    "joint.hinge": ("EdgeHinge",),
+    "joint.point_on_line": (
+        "PointInPlaneJoint",
+        "PointOnLineJoint",
+    ),
+    "joint.prismatic": ("PrismaticJoint",),
+    "joint.revolute": ("RevoluteJoint",),
+    "joint.spherical": ("SphericalJoint",),
+    "joint.universal": ("UniversalJoint",),
     "joint.clamp": ("Clamp",),
     "joint.distance": ("DistanceJoint",),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),

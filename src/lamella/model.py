@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy import sparse
 
 from lamella.body.mesh import PlateMesh
-from lamella.dofs import Build, LinearRow, Signal, Support
+from lamella.body.rigid_frame import RigidFrame
+from lamella.constraint.dot_block import DotBlock
+from lamella.dofs import Build, DotRow, LinearRow, Signal, Support
 from lamella.errors import ModelError
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
 
@@ -26,12 +28,16 @@ class Model:
         mass: the constant mass matrix M, sparse (n_q, n_q).
         forces: blocks of internal forces.
         loads: blocks of external loads; statics scales them by the load factor.
-        constraints: blocks with Lagrange multipliers.
+        constraints: blocks with Lagrange multipliers; the dot rows of joints come first, then those of bodies.
         rows: constant linear constraints, eliminated by the assembly.
-        supports: which rows belong to which support.
+        dots: dot rows of the joints; their multipliers are the first.
+        supports: which rows belong to which support or joint.
+        owners: name of the body each coordinate vector belongs to, shape (n_q / 3,).
         signals: what is recorded.
         breakpoints: times [s] at which a load or motion jumps, ascending.
         plates: compiled plates, for pictures and fields.
+        rigid_bodies: compiled rigid bodies, for pictures.
+        redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
         description: the system as data for result files, None when it was not given.
     """
 
@@ -44,10 +50,14 @@ class Model:
     loads: tuple[ForceBlock, ...]
     constraints: tuple[ConstraintBlock, ...]
     rows: tuple[LinearRow, ...]
+    dots: tuple[DotRow, ...]
     supports: tuple[Support, ...]
+    owners: tuple[str, ...]
     signals: tuple[Signal, ...]
     breakpoints: tuple[float, ...]
     plates: tuple[PlateMesh, ...]
+    rigid_bodies: tuple[RigidFrame, ...] = ()
+    redundant: Literal["raise", "drop"] = "raise"
     description: Any = field(default=None, compare=False)
 
     @property
@@ -66,10 +76,14 @@ class Model:
         for plate in self.plates:
             if plate.first <= vector < plate.first + len(plate.is_position):
                 return f"{'xyz'[component]} of {plate.describe(vector)}"
-        return f"coordinate {coordinate}"
+        for body in self.rigid_bodies:
+            if body.first <= vector < body.first + 4:
+                names = ("the position", "axis 1", "axis 2", "axis 3")
+                return f"{'xyz'[component]} of {names[vector - body.first]} of rigid body '{body.name}'"
+        return f"{'xyz'[component]} of an axis of a frame on '{self.owners[vector]}'"
 
     @classmethod
-    def from_build(cls, build: Build, description: Any = None) -> Model:
+    def from_build(cls, build: Build, description: Any = None, redundant: Literal["raise", "drop"] = "raise") -> Model:
         """Freeze a build.
 
         Raises:
@@ -89,14 +103,29 @@ class Model:
             mass=mass,
             forces=tuple(build.forces),
             loads=tuple(build.loads),
-            constraints=tuple(build.constraints),
+            constraints=_numbered(build),
             rows=tuple(build.rows),
+            dots=tuple(build.dots),
             supports=tuple(build.supports),
+            owners=tuple(build.owners),
             signals=tuple(build.signals),
             breakpoints=tuple(sorted(set(build.breakpoints))),
             plates=tuple(body for body in build.bodies.values() if isinstance(body, PlateMesh)),
+            rigid_bodies=tuple(body for body in build.bodies.values() if isinstance(body, RigidFrame)),
+            redundant=redundant,
             description=description,
         )
+
+
+def _numbered(build: Build) -> tuple[ConstraintBlock, ...]:
+    """The constraint blocks, each with the number of its first multiplier."""
+    joints, bodies = DotBlock("joints", build.dots), DotBlock("bodies", build.body_dots, body=True)
+    blocks = tuple(block for block in (joints, bodies, *build.constraints) if block.n_lam)
+    first = 0
+    for block in blocks:
+        block.first = first
+        first += block.n_lam
+    return blocks
 
 
 def _refuse_twins(signals: list[Signal]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.assembly.equations import Equations
+from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
 from lamella.roles import Floats
 from lamella.state import State
@@ -25,19 +26,29 @@ def system_signals(equations: Equations) -> list[Signal]:
 
 
 def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
-    """Force and torque that a support exerts on its body.
+    """Force and torque that a support or joint exerts on its body, or on the body of its side.
 
-    The support's generalised force R = C^T mu acts on vectors x_k; a virtual translation gives the force, the sum over
+    The generalised force R = C^T mu - Phi_q^T lam acts on vectors x_k; a virtual translation gives the force, the sum over
     positions of R_k, and a virtual rotation about the centre c the torque, the sum of (x_k - c) x R_k with c for positions only.
     """
+    model = equations.model
     places = {row: k for k, row in enumerate(equations.elimination.kept)}
     own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
-    transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((equations.model.n_q, 0))
-    vectors = np.unique(transposed.nonzero()[0] // 3)
-    is_position = equations.model.is_position[vectors]
+    transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((model.n_q, 0))
+    dots = DotBlock(support.name, [model.dots[row] for row in support.dots]) if support.dots else None
+    lam = np.array(support.dots, dtype=np.int64)  # the dot rows of joints come first
+    touched = np.concatenate([transposed.nonzero()[0], np.zeros(0, np.int64) if dots is None else dots.j_cols]) // 3
+    side = np.array([support.side in (None, owner) for owner in model.owners])
+    vectors = np.array([k for k in np.unique(touched) if side[k]], dtype=np.int64)
+    is_position = model.is_position[vectors]
+    entries = np.empty(0 if dots is None else len(dots.j_cols))
 
     def on_vectors(state: State) -> Floats:
-        return (transposed @ state.mu[own]).reshape(-1, 3)[vectors]
+        force = transposed @ state.mu[own]
+        if dots is not None:
+            dots.jacobian(state.t, state.q, entries)
+            force -= np.bincount(dots.j_cols, entries * state.lam[lam][dots.j_rows], minlength=model.n_q)
+        return force.reshape(-1, 3)[vectors]
 
     def force(state: State) -> Floats:
         return on_vectors(state)[is_position].sum(axis=0)
@@ -48,10 +59,23 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
         f = on_vectors(state).T
         return np.array([a[1] @ f[2] - a[2] @ f[1], a[2] @ f[0] - a[0] @ f[2], a[0] @ f[1] - a[1] @ f[0]])
 
-    about = "about its centre"
+    on = f" on {support.side}" if support.side else ""
+    signals = [
+        Signal(f"{support.name}.force", "N", AXES, force, f"force of {support.name}{on}"),
+        Signal(f"{support.name}.torque", "N m", AXES, torque, f"torque of {support.name}{on} about its centre"),
+    ]
+    frame = support.frame
+    if frame is None:
+        return signals
+
+    def local(evaluate: Callable[[State], Floats]) -> Callable[[State], Floats]:
+        return lambda state: frame.rotation(state.q.reshape(-1, 3)).T @ evaluate(state)
+
+    where = "in the joint frame of a"
     return [
-        Signal(f"{support.name}.force", "N", AXES, force, f"force of support {support.name}"),
-        Signal(f"{support.name}.torque", "N m", AXES, torque, f"torque of support {support.name} {about}"),
+        *signals,
+        Signal(f"{support.name}.force_local", "N", AXES, local(force), f"force of {support.name}{on} {where}"),
+        Signal(f"{support.name}.torque_local", "N m", AXES, local(torque), f"torque of {support.name}{on} {where}"),
     ]
 
 
@@ -97,7 +121,13 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return np.array([power]), clock + state.t
 
     loads = WorkMeter(lambda s: (-s.factor * equations.loads(s.t, s.q, s.v), s.q))
-    supports = WorkMeter(lambda s: (s.mu, elimination.right_hand_side(s.t, s.factor)))
+    constraints = equations.constraints
+    supports = WorkMeter(
+        lambda s: (
+            np.concatenate([s.mu, -s.lam]),
+            np.concatenate([elimination.right_hand_side(s.t, s.factor), constraints.prescribed(s.t)]),
+        )
+    )
     dissipated = WorkMeter(heat)
     last: dict[str, float] = {}
 
@@ -117,7 +147,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
         Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy"),
         Signal("energy.strain", "J", (), kept("strain", strain), "strain energy"),
         Signal("work.loads", "J", (), kept("loads", loads), "work of the loads"),
-        Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports"),
+        Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports and drives"),
         Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping"),
         Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution"),
     ]

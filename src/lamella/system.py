@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Literal, TypeVar, get_args
 
 from lamella.body.base import Body
 from lamella.dofs import Build
@@ -11,12 +11,21 @@ from lamella.model import Model
 from lamella.roles import Declaration
 
 D = TypeVar("D", bound=Declaration)
+Redundant = Literal["raise", "drop"]
 
 
 class System:
-    """An ordered collection of declarations with unique names."""
+    """An ordered collection of declarations with unique names.
 
-    def __init__(self) -> None:
+    Args:
+        redundant: what to do with joint constraints that repeat others: ``raise`` an error that names them, or ``drop`` them; the
+            motion is then that of the mechanism, and the reactions are one of many possible distributions.
+    """
+
+    def __init__(self, redundant: Redundant = "raise") -> None:
+        if redundant not in get_args(Redundant):
+            raise DeclarationError("System", f"redundant = {redundant!r}", "accepted is 'raise' or 'drop'")
+        self.redundant: Redundant = redundant
         self.declarations: list[Declaration] = []
 
     def add(self, declaration: D) -> D:
@@ -52,4 +61,4 @@ class System:
         build = Build()
         for declaration in sorted(self.declarations, key=lambda item: item.order):
             declaration.contribute(build)
-        return Model.from_build(build, description=self)
+        return Model.from_build(build, self, self.redundant)

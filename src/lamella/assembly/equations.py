@@ -5,13 +5,16 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from scipy import sparse
 
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
+from lamella.assembly.independence import described, independent_rows
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, VectorOperator
 from lamella.assembly.point import Point, Weights
+from lamella.errors import ConstraintError
 from lamella.model import Model
 from lamella.roles import Floats
 from lamella.state import State
@@ -29,10 +32,12 @@ class Equations:
     def __init__(self, model: Model, symmetric: bool | None = None) -> None:
         self.model = model
         self.elimination = eliminate(model.rows, model.n_q)
-        self.n_u, self.n_lam = len(self.elimination.independent), model.n_lam
+        self.n_u = len(self.elimination.independent)
         self.magnitude = model.magnitude[self.elimination.independent]
         self.forces, self.loads = ForceSum(model.forces, model.n_q), ForceSum(model.loads, model.n_q)
         self.constraints = ConstraintStack(model.constraints)
+        self.notes: list[str] = []
+        """What the user should know about the equations."""
         blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
@@ -40,11 +45,44 @@ class Equations:
         self._source, self._mass = SumOperator(self.elimination.G), VectorOperator(model.mass)
         self._at_rest = np.zeros(model.n_q)
         self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
+        if self.constraints.n_all:
+            self._keep_independent()
+
+    @property
+    def n_lam(self) -> int:
+        """Number of multipliers."""
+        return self.constraints.n_lam
+
+    @property
+    def mobility(self) -> int:
+        """Number of independent motions."""
+        return self.n_u - self.n_lam
+
+    def _keep_independent(self) -> None:
+        """Leave out rows that repeat others in the initial configuration.
+
+        Raises:
+            ConstraintError: rows of joints are redundant, and the model does not say to drop them.
+        """
+        zero = np.zeros(self.n_u)
+        start = Point(0.0, self.model.q0[self.elimination.independent].copy(), zero, zero, np.zeros(0))
+        reduced = sparse.csr_array(self.constraints.matrix(0.0, self.coordinates(start)) @ self.elimination.T)
+        jacobian = reduced.toarray() * self.magnitude
+        kept, redundant = independent_rows(jacobian, self.constraints.of_bodies)
+        if redundant:
+            found = described(redundant, self.constraints.labels)
+            if self.model.redundant == "raise":
+                raise ConstraintError(
+                    f"redundant in the initial position: {found}. Use joints that hold less (cylindrical, spherical, point on "
+                    "line) or let the system drop what is redundant; a mechanism in a singular position shows the same"
+                )
+            self.notes.append(f"left out as redundant: {found}")
+        self.constraints.kept = kept
 
     @cached_property
     def matrix(self) -> MatrixAssembly:
         """The assembly of matrices; made when first needed."""
-        return MatrixAssembly(self.model, self.elimination.T, self.n_u, self.symmetric)
+        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.n_u, self.symmetric)
 
     def start(self, t: float = 0.0, *, factor: float = 1.0, at_rest: bool = False) -> Point:
         """The reference configuration with the initial velocities (none at rest); supports take precedence over both."""
@@ -56,7 +94,8 @@ class Equations:
     def point_of(self, state: State, t: float) -> Point:
         """The point at time ``t`` with the coordinates, velocities, accelerations and multipliers of a state."""
         chosen = self.elimination.independent
-        return Point(t, state.q[chosen].copy(), state.v[chosen].copy(), state.a[chosen].copy(), state.lam.copy())
+        lam = state.lam[self.constraints.kept]
+        return Point(t, state.q[chosen].copy(), state.v[chosen].copy(), state.a[chosen].copy(), lam)
 
     def coordinates(self, point: Point) -> Floats:
         """All coordinates q, shape (n_q,)."""
@@ -129,14 +168,13 @@ class Equations:
         """An independent coordinate, or a multiplier counted after them, in words."""
         if unknown < self.n_u:
             return self.model.describe(int(self.elimination.independent[unknown]))
-        blocks = [block.name for block in self.model.constraints for _ in range(block.n_lam)]
-        return f"the multiplier of '{blocks[unknown - self.n_u]}'"
+        return f"the multiplier of {self.constraints.labels[self.constraints.kept[unknown - self.n_u]]}"
 
     def state(self, point: Point) -> State:
         """All coordinates, velocities, accelerations and the reactions of the eliminated constraints."""
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
         total = self._total(point, q, self.forces(point.t, q, v), self.loads(point.t, q, v))
-        return State(point.t, q, v, a, point.lam.copy(), self.elimination.row_forces(total), point.factor)
+        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), self.elimination.row_forces(total), point.factor)
 
     def _reduce(self, point: Point, q: Floats, f: Floats, f_load: Floats) -> tuple[Floats, Floats]:
         return self._gather(self._total(point, q, f, f_load)), self.constraints.phi(point.t, q)

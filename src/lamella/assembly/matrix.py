@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.expand import Entries, expand_matrix, expand_rows
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import SumOperator
@@ -19,13 +20,14 @@ class MatrixAssembly:
 
     Args:
         model: the compiled model.
+        constraints: its constraints, with the rows that are kept.
         T: map from independent to all coordinates, (n_q, n_u).
         n_u: number of independent coordinates.
         symmetric: keep the upper triangle only.
     """
 
-    def __init__(self, model: Model, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
-        self.model = model
+    def __init__(self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
+        self.model, self.constraints = model, constraints
         blocks = (*model.forces, *model.loads, *model.constraints)
         sizes = [len(block.k_rows) for block in blocks]
         ends = np.cumsum(sizes, dtype=np.int64)
@@ -67,7 +69,7 @@ class MatrixAssembly:
             indptr,
             places % n_u,
             symmetric,
-            model.n_lam,
+            constraints.n_lam,
             self._j_pattern.indptr.astype(np.int64),
             self._j_pattern.indices.astype(np.int64),
         )
@@ -80,8 +82,12 @@ class MatrixAssembly:
         self.j_parts = [self.j_buffer[end - len(r) : end] for r, end in zip(rows, ends, strict=True)]
         empty = np.zeros(0, np.int64)
         cols = np.concatenate([empty, *(block.j_cols for block in model.constraints)])
-        entries = expand_rows(np.concatenate([empty, *rows]), cols, T)
-        shape = (model.n_lam, n_u)
+        found = expand_rows(np.concatenate([empty, *rows]), cols, T)
+        place = np.full(self.constraints.n_all, -1)
+        place[self.constraints.kept] = np.arange(self.constraints.n_lam)
+        kept = place[found.rows] >= 0
+        entries = Entries(place[found.rows[kept]], found.cols[kept], found.sources[kept], found.factors[kept])
+        shape = (self.constraints.n_lam, n_u)
         self._j_pattern = sparse.csr_array(
             sparse.coo_array((np.ones(len(entries.rows)), (entries.rows, entries.cols)), shape=shape)
         )
@@ -112,13 +118,12 @@ class MatrixAssembly:
             block.force_tangent(point.t, q, v, weights.alpha_q, weights.alpha_v, previous, f, k)
             if point.factor != 1.0:
                 k *= point.factor
-        at = 0
+        lam = self.constraints.full(point.lam)
         for block, j in zip(self.model.constraints, self.j_parts, strict=True):
             k = next(parts)
-            block.curvature(point.t, q, point.lam[at : at + block.n_lam], k)
+            block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
             k *= weights.alpha_q
             block.jacobian(point.t, q, j)
-            at += block.n_lam
         data = self._sum.into(self.buffer, self._values)
         if weights.alpha_a:
             data += weights.alpha_a * self.mass
