@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
+    from lamella.joint.coupling import PositionCoupling as PositionCoupling
     from lamella.joint.cylindrical import CylindricalJoint as CylindricalJoint
     from lamella.joint.distance import DistanceJoint as DistanceJoint
     from lamella.joint.fixed import FixedJoint as FixedJoint
@@ -86,6 +87,7 @@ _HOME = {
     "joint.spherical": ("SphericalJoint",),
     "joint.universal": ("UniversalJoint",),
     "joint.clamp": ("Clamp",),
+    "joint.coupling": ("PositionCoupling",),
     "joint.distance": ("DistanceJoint",),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
     "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),

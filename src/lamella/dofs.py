@@ -111,6 +111,7 @@ class Support:
         dots: numbers of its rows among the dot rows of the joints.
         side: name of the body on which the reaction acts; every body when None.
         frame: joint frame in which the reaction is reported as well, None for the inertial frame alone.
+        single: whether it is one row whose generalised force is reported, instead of force and torque.
     """
 
     name: str
@@ -119,6 +120,7 @@ class Support:
     dots: tuple[int, ...] = ()
     side: str | None = None
     frame: Frame | None = None
+    single: bool = False
 
 
 @dataclass
@@ -179,6 +181,8 @@ class Build:
         centre: VectorRows,
         side: str | None = None,
         frame: Frame | None = None,
+        *,
+        single: bool = False,
     ) -> None:
         """Add a support or joint, whose reaction force, and torque about ``centre``, are reported under ``name``.
 
@@ -190,7 +194,7 @@ class Build:
                 self.breakpoints.extend(row.motion.breakpoints)
             self._add(row, self.dots)
         numbers = tuple(range(linear, len(self.rows))), tuple(range(dots, len(self.dots)))
-        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame))
+        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame, single))
 
     def tie(self, rows: Sequence[LinearRow | DotRow]) -> None:
         """Add the equations by which a body holds itself together; they have no reaction that is reported."""

@@ -34,6 +34,10 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     model = equations.model
     places = {row: k for k, row in enumerate(equations.elimination.kept)}
     own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
+    if support.single:
+        return [
+            Signal(f"{support.name}.force", "N", (), lambda s: float(s.mu[own].sum()), f"generalised force of {support.name}")
+        ]
     transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((model.n_q, 0))
     dots = DotBlock(support.name, [model.dots[row] for row in support.dots]) if support.dots else None
     lam = np.array(support.dots, dtype=np.int64)  # the dot rows of joints come first
