@@ -49,10 +49,13 @@ if TYPE_CHECKING:
     from lamella.math.profile import Constant as Constant
     from lamella.math.profile import Cycloid as Cycloid
     from lamella.math.profile import Harmonic as Harmonic
+    from lamella.math.profile import Integral as Integral
+    from lamella.math.profile import Polynomial as Polynomial
     from lamella.math.profile import Ramp as Ramp
     from lamella.math.profile import SmoothStep as SmoothStep
     from lamella.math.profile import Step as Step
     from lamella.math.profile import Table as Table
+    from lamella.math.profile import TrapezoidalSpeed as TrapezoidalSpeed
     from lamella.modal import Modes as Modes
     from lamella.modal import modes as modes
     from lamella.motion import simulate as simulate
@@ -97,7 +100,18 @@ _HOME = {
     "material.isotropic": ("Isotropic",),
     "material.lamina": ("Lamina",),
     "material.laminate": ("Laminate", "Ply"),
-    "math.profile": ("Constant", "Cycloid", "Harmonic", "Ramp", "SmoothStep", "Step", "Table"),
+    "math.profile": (
+        "Constant",
+        "Cycloid",
+        "Harmonic",
+        "Integral",
+        "Polynomial",
+        "Ramp",
+        "SmoothStep",
+        "Step",
+        "Table",
+        "TrapezoidalSpeed",
+    ),
     "modal": ("Modes", "modes"),
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),
