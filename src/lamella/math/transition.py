@@ -132,7 +132,7 @@ class TrapezoidalSpeed(Transition):
     """Change with a trapezoidal speed: accelerate evenly, go on at constant speed, decelerate evenly.
 
     The acceleration changes linearly over the time ``ramp`` at its corners, so that it is continuous and the jerk limited.
-    Without a phase of constant speed it changes from +a to -a in one ramp about the middle. Arguments: see :class:`Transition`, and
+    Without a phase of constant speed it changes from +a to -a in one ramp about the middle. The arguments of :class:`Transition`, and
 
     Args:
         cruise: share of the duration at constant speed, 0 to 1 [-].
@@ -173,7 +173,7 @@ class TrapezoidalSpeed(Transition):
     def _at_piece(self, tau: float) -> tuple[float, tuple[float, ...]]:
         """Distance from the start of the piece, and area, s and its three derivatives there."""
         starts, values = self._pieces
-        k = bisect_right(starts, tau) - 1
+        k = bisect_right(starts, tau + 1e-13) - 1  # at a jump, rounding shall not choose the piece before it
         return tau - starts[k], values[k]
 
     @cached_property
