@@ -12,9 +12,9 @@ from lamella.assembly.equations import Equations
 from lamella.dofs import DotRow
 from lamella.errors import ModelError
 from lamella.math.rotation import polar
-from lamella.motion import make_consistent
 from lamella.roles import Declaration
 from lamella.signals import reaction_signals
+from lamella.solve.initial import make_consistent
 from lamella.solve.linear import linear_solver
 
 pairs = pytest.mark.parametrize("name", PAIRS)
