@@ -85,7 +85,7 @@ def test_signals_of_a_known_spin():
     np.testing.assert_allclose(result["ball.position"].values[-1], 0.5 * np.array((0.1, 0.2, 0.3)), atol=1e-12)
     point = 0.5 * np.array((0.1, 0.2, 0.3)) + R @ (0.1, 0.2, -0.2)
     np.testing.assert_allclose(result["point.position"].values[-1], point, atol=3e-6)
-    velocity = (0.1, 0.2, 0.3) + np.cross(spin, R @ (0.1, 0.2, -0.2))
+    velocity = np.array((0.1, 0.2, 0.3)) + np.cross(spin, R @ (0.1, 0.2, -0.2))
     np.testing.assert_allclose(result["point.velocity"].values[-1], velocity, atol=1e-5)
 
 
