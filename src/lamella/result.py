@@ -26,6 +26,7 @@ class Cause(enum.Enum):
     """Why a solution ended."""
 
     COMPLETED = "completed"
+    EVENT = "an event ended the run"
     NOT_CONVERGED = "Newton's iteration did not converge at the smallest step allowed"
     NOT_FINITE = "a force or coordinate is not a finite number"
     INACCURATE = "the local error exceeds its tolerance at the smallest step allowed"
@@ -33,6 +34,21 @@ class Cause(enum.Enum):
     STEP_LIMIT = "the largest number of steps was reached"
     INTERRUPTED = "interrupted by the user"
     WRITE_FAILED = "the result file cannot be written"
+
+
+@dataclass(frozen=True)
+class Happening:
+    """An event that happened.
+
+    Args:
+        t: when [s].
+        name: name of the event or latch.
+        text: what happened.
+    """
+
+    t: float
+    name: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -44,16 +60,19 @@ class Outcome:
         reached: last time [s] or load factor solved for.
         target: time or load factor asked for.
         detail: a sentence with numbers; on completion empty, or a warning.
+        events: what happened on the way, in time order.
     """
 
     cause: Cause
     reached: float
     target: float
     detail: str = ""
+    events: tuple[Happening, ...] = ()
 
     @property
     def completed(self) -> bool:
-        return self.cause is Cause.COMPLETED
+        """Whether it went as far as it should: to its end, or to an event that ends it."""
+        return self.cause in (Cause.COMPLETED, Cause.EVENT)
 
     def __str__(self) -> str:
         if self.completed:

@@ -1,0 +1,160 @@
+"""Events: what happens when a function of the state passes through a value, and when exactly."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.dofs import Signal, Trigger
+from lamella.errors import DeclarationError
+from lamella.integrate.base import StepOutcome, Stepper
+from lamella.result import Happening
+from lamella.state import State
+
+CLOSE = 1e-6
+"""Share of a step to which the time of an event is found."""
+TRIALS = 30
+"""Steps tried to find it."""
+
+
+@dataclass
+class _Watched:
+    """A trigger at work.
+
+    Args:
+        trigger: the trigger.
+        evaluate: its function.
+        before: value at the last accepted state.
+        open: whether it may still happen.
+    """
+
+    trigger: Trigger
+    evaluate: Callable[[State], float]
+    before: float = 0.0
+    open: bool = True
+
+    def crosses(self, value: float) -> bool:
+        """Whether the function passed through zero, in the direction asked for, on its way to ``value``."""
+        if not self.open or self.before == 0.0 or np.sign(value) == np.sign(self.before):
+            return False
+        return self.trigger.direction in (0, -int(np.sign(self.before)))
+
+    def keep(self, value: float) -> None:
+        """Take the value at an accepted state; a zero says nothing of the side it was reached from."""
+        if value != 0.0:
+            self.before = value
+
+
+class EventWatch:
+    """All triggers of a model during one run.
+
+    Args:
+        equations: make states from points.
+        triggers: the triggers.
+        signals: what is recorded; triggers name the signal they watch.
+
+    Raises:
+        DeclarationError: a trigger names a signal that is not recorded, or a component it does not have.
+    """
+
+    def __init__(self, equations: Equations, triggers: Sequence[Trigger], signals: Sequence[Signal]) -> None:
+        self.equations = equations
+        known = {signal.name: signal for signal in signals}
+        self._watched = [_Watched(trigger, trigger.evaluate or _level(trigger, known)) for trigger in triggers]
+        self.happened: list[Happening] = []
+
+    def begin(self, state: State) -> None:
+        """Take the values at the start."""
+        for item in self._watched:
+            item.keep(item.evaluate(state))
+
+    def locate(self, stepper: Stepper, outcome: StepOutcome, dt: float, t: float) -> tuple[StepOutcome, float, list[Trigger]]:
+        """Cut a converged step short where the first event that changes something happens in it.
+
+        The time is bracketed by trying the step with other lengths (regula falsi with bisection); the step ends just behind the
+        event. Events that are only noted do not cut the step; their time is interpolated.
+
+        Returns:
+            The step to accept, its length, and the triggers that act at its end.
+        """
+        if not self._watched or outcome.point is None:
+            return outcome, dt, []
+        acting = [item for item in self._crossed(outcome) if _changes(item[0].trigger)]
+        upper, kept = dt, outcome
+        if acting:
+            kept, upper = self._bracketed(stepper, outcome, dt, acting)
+        return kept, upper, self._accept(kept, upper, t)
+
+    def _bracketed(
+        self, stepper: Stepper, outcome: StepOutcome, dt: float, acting: list[tuple[_Watched, float]]
+    ) -> tuple[StepOutcome, float]:
+        """The shortest step found in which one of the events has happened, and its length."""
+        lower, upper, last, kept = 0.0, dt, dt, outcome
+        for trial in range(TRIALS):
+            if upper - lower <= CLOSE * dt:
+                break
+            share = min(item.before / (item.before - value) for item, value in acting)
+            secant = upper * share * (1.0 + 0.5 * CLOSE)  # a little behind the event, so that the bracket closes from above
+            guess = 0.5 * (lower + upper) if trial % 3 == 2 else secant
+            last = min(max(guess, lower + 0.1 * CLOSE * dt), upper - 0.1 * CLOSE * dt)
+            tried = stepper.step(last)
+            if tried.point is None:
+                break
+            there = [found for found in self._crossed(tried) if any(found[0] is item for item, _ in acting)]
+            if there:
+                acting, upper, kept = there, last, tried
+            else:
+                lower = last
+        if last != upper:
+            again = stepper.step(upper)  # the stepper accepts the step it tried last
+            kept = again if again.point is not None else kept
+        return kept, upper
+
+    def _crossed(self, outcome: StepOutcome) -> list[tuple[_Watched, float]]:
+        """What would happen in a step, with the values at its end."""
+        return [(item, value) for item, value in zip(self._watched, self._values(outcome), strict=True) if item.crosses(value)]
+
+    def _values(self, outcome: StepOutcome) -> list[float]:
+        assert outcome.point is not None
+        state = self.equations.state(outcome.point)
+        return [item.evaluate(state) for item in self._watched]
+
+    def _accept(self, outcome: StepOutcome, dt: float, t: float) -> list[Trigger]:
+        """Note what happens in a step that will be accepted; returns the triggers that act at its end."""
+        acting = []
+        for item, value in zip(self._watched, self._values(outcome), strict=True):
+            if item.crosses(value):
+                changes = _changes(item.trigger)
+                share = 1.0 if changes else item.before / (item.before - value)
+                self.happened.append(Happening(t + share * dt, item.trigger.name, item.trigger.text))
+                item.open = not item.trigger.once
+                if changes:
+                    acting.append(item.trigger)
+            item.keep(value)
+        return acting
+
+
+def _changes(trigger: Trigger) -> bool:
+    return trigger.act is not None or trigger.stops
+
+
+def _level(trigger: Trigger, known: Mapping[str, Signal]) -> Callable[[State], float]:
+    """The signal that a trigger watches, less its level."""
+    item = f"Event '{trigger.name}'"
+    if trigger.watch not in known:
+        near = difflib.get_close_matches(trigger.watch, known, 1, 0.5)
+        meant = f"did you mean '{near[0]}'? " if near else ""
+        raise DeclarationError(item, f"there is no signal '{trigger.watch}'", f"{meant}accepted are {', '.join(sorted(known))}")
+    signal = known[trigger.watch]
+    if (trigger.component or "") not in (signal.labels or ("",)):
+        wanted = f"accepted is {', '.join(signal.labels)}" if signal.labels else "accepted is none: it is a single number"
+        given = f"component = '{trigger.component}'" if trigger.component else "a component is needed"
+        raise DeclarationError(item, f"{given} of '{trigger.watch}'", wanted)
+    if not signal.labels:
+        return lambda state: float(signal.evaluate(state)) - trigger.level
+    k = signal.labels.index(trigger.component or "")
+    return lambda state: float(np.asarray(signal.evaluate(state))[k]) - trigger.level
