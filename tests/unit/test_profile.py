@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from dataclasses import FrozenInstanceError
 from itertools import pairwise
@@ -263,6 +264,13 @@ def test_integral_matches_quadrature(profile: Integrable, t: float) -> None:
             * sum(w * profile.value(0.5 * (lo + hi) + 0.5 * (hi - lo) * x) for x, w in zip(points, weights, strict=True))
         )
     assert profile.integral(t) == pytest.approx(total if t > 0 else -total, abs=2e-7)  # jerk jumps inside: 40 points leave 1e-8
+
+
+@pytest.mark.parametrize("frequency", [1e-3, 1e-7, 1e-11])
+def test_integral_of_a_slow_wave_keeps_its_digits(frequency: float) -> None:
+    wave = Harmonic(2.0, frequency, phase=0.5)
+    middle = math.sin(math.pi * frequency * 3.0 + 0.5)  # of the interval; the wave bends by (2 pi f t)^2/24 at the most
+    assert wave.integral(3.0) == pytest.approx(6.0 * middle, rel=max(1e-14, (6.0 * math.pi * frequency) ** 2))
 
 
 def test_trapezoidal_speed_has_the_shape_it_says() -> None:

@@ -143,8 +143,8 @@ class Harmonic(Integrable):
 
     def integral(self, t: float) -> float:
         """Integral from 0 to t [s]."""
-        swing = math.cos(self.phase) - math.cos(self._omega * t + self.phase)
-        return self.mean * t + self.amplitude * swing / self._omega
+        half = 0.5 * self._omega * t  # a product of sines, for a difference of cosines loses the digits of a slow wave
+        return self.mean * t + 2.0 * self.amplitude * math.sin(half) * math.sin(half + self.phase) / self._omega
 
     @property
     def _omega(self) -> float:
