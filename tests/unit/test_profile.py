@@ -218,6 +218,12 @@ def test_profiles_from_a_file() -> None:
         (lambda: Load(True), "profile = True; accepted is a number"),
         (lambda: Load(float("nan")), "profile = nan; .*nan is not finite"),  # type: ignore[arg-type]
         (lambda: Load({"kind": "step", "att": 1}), r"unknown argument 'profile\.step\.att'"),  # type: ignore[arg-type]
+        (
+            lambda: Integral({"kind": "rampp"}),
+            "Integral: of = .*; accepted is a number, or a profile whose kind is one of constant, step",
+        ),  # type: ignore[arg-type]
+        (lambda: Integral({"kind": "ramp"}), r"Integral: 'of\.ramp\.t_end' is missing"),  # type: ignore[arg-type]
+        (lambda: Integral(Integral(1.0)), "Integral: of = .*; accepted is a number, or a profile whose kind"),  # type: ignore[arg-type]
         (lambda: as_profile("fast"), "profile: 'fast' is not a function of time; accepted is a number or a profile"),
     ],
 )
