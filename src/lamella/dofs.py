@@ -106,6 +106,10 @@ class DotRow:
     constant: float = 0.0
     motion: Motion | None = None
 
+    def sum(self, vectors: Floats) -> float:
+        """The sum on the left-hand side; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
+        return sum(c * float(u.at(vectors) @ w.at(vectors)) for c, u, w in self.terms)
+
     def linear(self) -> LinearRow | None:
         """The same row as a linear one when one vector of every term is fixed in space, else None."""
         coords, coefs, constant = [], [], self.constant

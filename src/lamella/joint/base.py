@@ -11,7 +11,7 @@ from lamella import units
 from lamella.body.base import Marker
 from lamella.dofs import Build
 from lamella.errors import DeclarationError
-from lamella.joint.equations import Rows, axes_along, check_coincide
+from lamella.joint.equations import Rows, axes_along, check_coincide, check_guided
 from lamella.joint.motion_signals import angle_signals, slide_signals
 from lamella.kinematics import Frame, VectorRows
 from lamella.measure.measure import Term, angle, slide
@@ -82,9 +82,12 @@ class Joint(Declaration):
         """Add the rows, the reaction, and what moves."""
         refuse_same_body(self.item, self.a, self.b)
         a, b = self.frames(build)
+        rows = self.equations(a, b)
         if self.meets:
             check_coincide(self.item, build.initial, a.origin, b.origin, f"{self.a} and {self.b}", body_size(build))
-        build.hold(self.name, self.equations(a, b), b.origin, self.b.body.name, a)
+        else:
+            check_guided(self.item, build.initial, rows, body_size(build))
+        build.hold(self.name, rows, b.origin, self.b.body.name, a)
         if self.turns:
             build.signals.extend(angle_signals(self.name, self.turns_of(build)[0]))
         if self.slides:
