@@ -15,12 +15,13 @@ from lamella.io.modes import mode_frames, natural_amplitude, write_modes
 from lamella.modal import Modes
 from lamella.result import Result
 from lamella.study.folder import MODES, PICTURES
+from lamella.viz.solids import drawable
 
 CAPTIONS = {
     "path.png": "Load factor over displacement, along the equilibrium path",
     "signals.png": "Recorded signals",
     "energy.png": "Energy and work, and what their balance leaves over",
-    "shape.png": "The deformed plates, true to their place and scale",
+    "shape.png": "The bodies, true to their place and scale",
     "modes.png": "Shapes of the first modes",
     "animation.gif": "The motion",
 }
@@ -52,8 +53,8 @@ def write_outputs(
     if isinstance(computed, Modes):
         return write_mode_outputs(model_file, computed, folder, pictures)
     files = [write_signals(computed, folder / "signals.csv")] if output.csv else []
-    drawable = bool(len(computed.frame_at) and computed.model.plates)
-    if output.paraview and drawable:
+    shown = bool(len(computed.frame_at) and drawable(computed.model))
+    if output.paraview and shown:
         from lamella.io.vtk import write_vtkhdf
 
         files.append(write_vtkhdf(computed, folder / "surface.vtkhdf"))
@@ -62,7 +63,7 @@ def write_outputs(
     if output.pictures:
         say(f"{analysis.name}: drawing pictures")
         files += write_pictures(computed, folder / PICTURES, output)
-    if output.animation and drawable and len(computed.frame_at) > 1:
+    if output.animation and shown and len(computed.frame_at) > 1:
         say(f"{analysis.name}: drawing the animation")
         files.append(write_animation(computed, folder / "animation.gif", output))
     if output.report:
@@ -81,13 +82,13 @@ def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictur
     files = [write_modes(modes, folder / MODES, model_text=text, title=model_file.title)]
     if output.csv:
         files.append(write_frequencies(modes, folder / "modes.csv"))
-    if output.paraview and modes.model.plates:
+    if output.paraview and drawable(modes.model):
         from lamella.io.vtk import write_vtkhdf
 
         shapes = mode_frames(modes, natural_amplitude(modes))
         files.append(write_vtkhdf(shapes, folder / "modes.vtkhdf", fields=("displacement", "normal")))
     drawn = []
-    if pictures and output.pictures and modes.model.plates:
+    if pictures and output.pictures and drawable(modes.model):
         from lamella.viz.scene import mode_sheet
 
         make_folder(folder / PICTURES)
@@ -143,7 +144,7 @@ def write_run_report(result: Result, path: Path, model_file: ModelFile, drawn: S
 
 
 def write_pictures(result: Result, folder: Path, output: Output | None = None) -> list[Path]:
-    """Draw signals, energies and the deformed plates into a folder.
+    """Draw signals, energies and the bodies into a folder.
 
     Raises:
         ResultFileError: a file cannot be written.
@@ -160,7 +161,7 @@ def write_pictures(result: Result, folder: Path, output: Output | None = None) -
     files += [save_figure(plot_signals(result, output.signals), folder / "signals.png")]
     if any(name.startswith("energy.") for name in result.signals):
         files.append(save_figure(plot_energy(result), folder / "energy.png"))
-    if len(result.frame_at) and result.model.plates:
+    if len(result.frame_at) and drawable(result.model):
         at = output.at or _spread(result)
         files.append(picture(result, folder / "shape.png", at=at, field=output.field, view=output.view, scale=output.scale))
     return files
