@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import re
 import subprocess
+import warnings
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
@@ -69,6 +70,12 @@ def test_rotation_matrix_has_three_rows_of_three() -> None:
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     assert titles[:9] == ["arm.rotation xx", "xy", "xz", "arm.rotation yx", "yy", "yz", "arm.rotation zx", "zy", "zz"]
     assert titles[9:] == ["pin.torque_local x", "y", "z"]
+
+
+def test_rows_of_three_components_and_of_one_fit_below_each_other(tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # matplotlib warns where it finds no layout
+        save_figure(plot_signals(stand_in.pendulum(), ["arm.rotation", "pin.force", "pin.angle"]), tmp_path / "signals.png")
 
 
 def test_what_joints_move_is_drawn_unasked() -> None:

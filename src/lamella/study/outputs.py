@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +14,14 @@ from lamella.io.analysis import Analysis, Computed, Output, mode_table
 from lamella.io.model_file import ModelFile
 from lamella.io.modes import mode_frames, natural_amplitude, write_modes
 from lamella.modal import Modes
+from lamella.model import Model
 from lamella.result import Result
 from lamella.study.folder import MODES, PICTURES
+from lamella.study.size import size_of
 from lamella.viz.solids import drawable
+
+if TYPE_CHECKING:
+    from lamella.viz.report import Section
 
 CAPTIONS = {
     "path.png": "Load factor over displacement, along the equilibrium path",
@@ -102,7 +108,8 @@ def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictur
             tables=[Table(["Mode", "Frequency [Hz]"], mode_table(modes))],
         )
         title, about = model_file.title or "Natural modes", model_file.description
-        files.append(write_report(folder / "report.html", title, [section], summary=about, model_text=text))
+        sections = [section, system_section(model_file, modes.model)]
+        files.append(write_report(folder / "report.html", title, sections, summary=about, model_text=text))
     return files + drawn
 
 
@@ -136,11 +143,19 @@ def write_run_report(result: Result, path: Path, model_file: ModelFile, drawn: S
     return write_report(
         path,
         model_file.title or "Run",
-        [shown] if drawn else [],
+        [*([shown] if drawn else []), system_section(model_file, result.model)],
         summary=model_file.description,
         model_text=model_file.text(),
         results={path.parent.name: result},
     )
+
+
+def system_section(model_file: ModelFile, model: Model) -> Section:
+    """What a report says about the system: its numbers of bodies, joints, coordinates and constraints."""
+    from lamella.viz.report import Section, Table
+
+    size = size_of(model_file.system, model)
+    return Section("System", "\n\n".join(size.notes), tables=[Table(["", "number"], list(size.counts.items()))])
 
 
 def write_pictures(result: Result, folder: Path, output: Output | None = None) -> list[Path]:

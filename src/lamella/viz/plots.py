@@ -25,9 +25,6 @@ BALANCE = "energy.balance"
 SMALLEST_SPAN = 5e-3
 """A component that varies less than this part of its signal's largest variation is drawn as flat as it is."""
 
-COLUMNS = 60
-"""Columns of the grid that rows of up to six components share; a multiple of their numbers."""
-
 MOST_IN_A_ROW, IN_A_ROW = 6, 3
 """A signal of more components than the first, such as a rotation matrix, takes rows of the second."""
 
@@ -68,10 +65,9 @@ def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: s
         figure = new_figure(0.35 + 1.75 * len(rows))
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
-        grid = figure.add_gridspec(len(rows), COLUMNS)
+        grid = figure.add_gridspec(len(rows), 1)
         for row, (name, columns) in enumerate(rows):
-            width = COLUMNS // len(columns)
-            axes = [figure.add_subplot(grid[row, k * width : (k + 1) * width]) for k in range(len(columns))]
+            axes = [figure.add_subplot(cell) for cell in grid[row].subgridspec(1, len(columns))]
             _draw_row(axes, name, result, columns, last=row == len(rows) - 1)
         note_outcome(figure, [result])
     return figure
