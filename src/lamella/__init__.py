@@ -21,9 +21,13 @@ if TYPE_CHECKING:
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
+    from lamella.joint.coupling import AngleCoupling as AngleCoupling
     from lamella.joint.coupling import PositionCoupling as PositionCoupling
     from lamella.joint.cylindrical import CylindricalJoint as CylindricalJoint
+    from lamella.joint.distance import Cable as Cable
     from lamella.joint.distance import DistanceJoint as DistanceJoint
+    from lamella.joint.drive import AngleDrive as AngleDrive
+    from lamella.joint.drive import SlideDrive as SlideDrive
     from lamella.joint.fixed import FixedJoint as FixedJoint
     from lamella.joint.hinge import EdgeHinge as EdgeHinge
     from lamella.joint.point_on_line import PointInPlaneJoint as PointInPlaneJoint
@@ -42,6 +46,11 @@ if TYPE_CHECKING:
     from lamella.load.moment import EdgeMoment as EdgeMoment
     from lamella.load.moment import PointMoment as PointMoment
     from lamella.load.pressure import Pressure as Pressure
+    from lamella.load.spring import SlideSpring as SlideSpring
+    from lamella.load.spring import SpringDamper as SpringDamper
+    from lamella.load.spring import TorsionSpring as TorsionSpring
+    from lamella.load.stop import EndStop as EndStop
+    from lamella.load.stop import Latch as Latch
     from lamella.material.isotropic import Isotropic as Isotropic
     from lamella.material.lamina import Lamina as Lamina
     from lamella.material.laminate import Laminate as Laminate
@@ -49,10 +58,13 @@ if TYPE_CHECKING:
     from lamella.math.profile import Constant as Constant
     from lamella.math.profile import Cycloid as Cycloid
     from lamella.math.profile import Harmonic as Harmonic
+    from lamella.math.profile import Integral as Integral
+    from lamella.math.profile import Polynomial as Polynomial
     from lamella.math.profile import Ramp as Ramp
     from lamella.math.profile import SmoothStep as SmoothStep
     from lamella.math.profile import Step as Step
     from lamella.math.profile import Table as Table
+    from lamella.math.profile import TrapezoidalSpeed as TrapezoidalSpeed
     from lamella.modal import Modes as Modes
     from lamella.modal import modes as modes
     from lamella.motion import simulate as simulate
@@ -87,17 +99,31 @@ _HOME = {
     "joint.spherical": ("SphericalJoint",),
     "joint.universal": ("UniversalJoint",),
     "joint.clamp": ("Clamp",),
-    "joint.coupling": ("PositionCoupling",),
-    "joint.distance": ("DistanceJoint",),
+    "joint.coupling": ("AngleCoupling", "PositionCoupling"),
+    "joint.distance": ("Cable", "DistanceJoint"),
+    "joint.drive": ("AngleDrive", "SlideDrive"),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
     "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),
     "load.gravity": ("Gravity",),
     "load.moment": ("EdgeMoment", "PointMoment"),
     "load.pressure": ("Pressure",),
+    "load.spring": ("SlideSpring", "SpringDamper", "TorsionSpring"),
+    "load.stop": ("EndStop", "Latch"),
     "material.isotropic": ("Isotropic",),
     "material.lamina": ("Lamina",),
     "material.laminate": ("Laminate", "Ply"),
-    "math.profile": ("Constant", "Cycloid", "Harmonic", "Ramp", "SmoothStep", "Step", "Table"),
+    "math.profile": (
+        "Constant",
+        "Cycloid",
+        "Harmonic",
+        "Integral",
+        "Polynomial",
+        "Ramp",
+        "SmoothStep",
+        "Step",
+        "Table",
+        "TrapezoidalSpeed",
+    ),
     "modal": ("Modes", "modes"),
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),

@@ -20,14 +20,18 @@ from lamella.math.profile import (
     Constant,
     Cycloid,
     Harmonic,
+    Integral,
+    Polynomial,
     Profile,
     Ramp,
     SmoothStep,
     Step,
     Table,
     TimeFunction,
+    TrapezoidalSpeed,
     as_profile,
 )
+from lamella.math.time_function import Integrable
 
 TIMES, VALUES = (0.0, 0.3, 0.5, 1.2), (1.0, 3.0, 2.0, 2.5)
 CATALOGUE: list[TimeFunction] = [
@@ -36,10 +40,16 @@ CATALOGUE: list[TimeFunction] = [
     Ramp(0.2, t_end=0.9, start=-1, end=2),
     SmoothStep(0.2, t_end=0.9, start=-1, end=2),
     Cycloid(0.2, t_end=0.9, start=2, end=-3),
+    TrapezoidalSpeed(0.2, t_end=0.9, start=2, end=-3, ramp=0.1),
+    TrapezoidalSpeed(0.2, t_end=0.9, start=2, end=-3, ramp=0.05, cruise=0.3),
+    TrapezoidalSpeed(0.2, t_end=0.9, cruise=0.5),
+    Polynomial((1.0, -2.0, 0.5, 3.0), 0.2, t_end=0.9),
     Harmonic(2.0, 1.5, phase=0.3, mean=-1),
     Table(TIMES, VALUES),
     Table(TIMES, VALUES, "pchip"),
     Table(TIMES, VALUES, "cubic"),
+    Integral(Harmonic(2.0, 1.5, phase=0.3, mean=-1), start=0.4),
+    Integral(SmoothStep(0.2, t_end=0.9, start=-1, end=2)),
 ]
 
 
@@ -233,3 +243,41 @@ def test_stretches_between_breakpoints_are_smooth() -> None:
             before = profile.value(b - 1e-12)  # just before a possible jump
             # 12 points are exact for each polynomial; a cubic table has knots inside, where only its third derivative jumps
             assert change == pytest.approx(before - profile.value(a), abs=2e-3)
+
+
+INTEGRABLE = [profile for profile in CATALOGUE if isinstance(profile, Integrable)]
+
+
+@pytest.mark.parametrize("profile", INTEGRABLE, ids=str)
+@pytest.mark.parametrize("t", [-0.3, 0.1, 0.37, 0.55, 0.8, 1.7])
+def test_integral_matches_quadrature(profile: Integrable, t: float) -> None:
+    stops = sorted({0.0, t, *(b for b in (*profile.breakpoints, 0.2, 0.25, 0.3, 0.55, 0.9) if min(0.0, t) < b < max(0.0, t))})
+    points, weights = np.polynomial.legendre.leggauss(40)
+    total = 0.0
+    for lo, hi in pairwise(stops):
+        total += (
+            0.5
+            * (hi - lo)
+            * sum(w * profile.value(0.5 * (lo + hi) + 0.5 * (hi - lo) * x) for x, w in zip(points, weights, strict=True))
+        )
+    assert profile.integral(t) == pytest.approx(total if t > 0 else -total, abs=2e-7)  # jerk jumps inside: 40 points leave 1e-8
+
+
+def test_trapezoidal_speed_has_the_shape_it_says() -> None:
+    law = TrapezoidalSpeed(1.0, t_end=6.0, start=2.0, end=5.0, ramp=0.1)
+    assert law.value(3.5) == pytest.approx(3.5)  # half the way at half the time
+    assert (law.rate(1.0), law.acceleration(1.0)) == (0.0, 0.0)
+    assert law.acceleration(2.0) == pytest.approx(law.acceleration(3.2))
+    assert law.acceleration(2.0) == pytest.approx(-law.acceleration(5.0))
+    assert law.acceleration(1.05) == pytest.approx(0.5 * law.acceleration(2.0))
+    assert law.acceleration(3.5) == pytest.approx(0.0, abs=1e-12)
+    cruising = TrapezoidalSpeed(0.0, t_end=4.0, cruise=0.5)
+    assert cruising.rate(1.5) == cruising.rate(2.5) == pytest.approx(1 / 3)
+    assert cruising.breakpoints == (0.0, 1.0, 3.0, 4.0)
+
+
+def test_ramps_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(DeclarationError, match="ramp = 3 s; accepted is at most"):
+        TrapezoidalSpeed(0.0, t_end=4.0, ramp=3.0)
+    with pytest.raises(DeclarationError, match="at least one"):
+        Polynomial((), t_end=1.0)

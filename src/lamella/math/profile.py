@@ -7,19 +7,33 @@ metres.
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args
 
 import numpy as np
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Tag
 
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.math.table import Table
-from lamella.math.time_function import TimeFunction
+from lamella.math.time_function import Integrable, TimeFunction
+from lamella.math.transition import Cycloid, Polynomial, Ramp, SmoothStep, TrapezoidalSpeed
 from lamella.units import Angle, Number, Time, quantity
 
-__all__ = ["Constant", "Cycloid", "Harmonic", "Profile", "Ramp", "SmoothStep", "Step", "Table", "TimeFunction", "as_profile"]
+__all__ = [
+    "Constant",
+    "Cycloid",
+    "Harmonic",
+    "Integral",
+    "Polynomial",
+    "Profile",
+    "Ramp",
+    "SmoothStep",
+    "Step",
+    "Table",
+    "TimeFunction",
+    "TrapezoidalSpeed",
+    "as_profile",
+]
 
 
 def _periods(value: object) -> object:
@@ -36,7 +50,7 @@ else:
 
 
 @declaration
-class Constant(TimeFunction):
+class Constant(Integrable):
     """The same value at all times.
 
     Args:
@@ -58,9 +72,13 @@ class Constant(TimeFunction):
         """Second derivative by time [1/s^2]."""
         return 0.0
 
+    def integral(self, t: float) -> float:
+        """Integral from 0 to t [s]."""
+        return self.level * t
+
 
 @declaration
-class Step(TimeFunction):
+class Step(Integrable):
     """A jump from zero: 0 before the time ``at``, ``level`` from then on.
 
     Args:
@@ -84,6 +102,10 @@ class Step(TimeFunction):
         """Second derivative by time, zero on both sides of the jump [1/s^2]."""
         return 0.0
 
+    def integral(self, t: float) -> float:
+        """Integral from 0 to t [s]."""
+        return self.level * (max(t - self.at, 0.0) - max(-self.at, 0.0))
+
     @property
     def breakpoints(self) -> tuple[float, ...]:
         """The time of the jump [s]."""
@@ -91,94 +113,7 @@ class Step(TimeFunction):
 
 
 @declaration
-class Transition(TimeFunction):
-    """Base of the changes from one constant value to another.
-
-    ``start + (end - start) s(tau)`` with ``tau = (t - t_start) / (t_end - t_start)``
-
-    Args:
-        t_start: time at which the change begins [s].
-        t_end: time at which it is complete [s].
-        start: value before [-].
-        end: value after [-].
-
-    Raises:
-        DeclarationError: t_end is not later than t_start.
-    """
-
-    t_start: Time = 0.0
-    t_end: Time = Field(kw_only=True)
-    start: Number = 0.0
-    end: Number = 1.0
-
-    def __post_init__(self) -> None:
-        """Refuse a change without duration."""
-        if self.t_end <= self.t_start:
-            raise ValueError(f"t_end = {self.t_end:g}; accepted is a time later than t_start = {self.t_start:g}")
-
-    @abstractmethod
-    def shape(self, tau: float) -> tuple[float, float, float]:
-        """s, ds/dtau and d2s/dtau2 for 0 <= tau < 1, from s(0) = 0 to s(1) = 1."""
-
-    def value(self, t: float) -> float:
-        """Value at the time t [s]."""
-        return self.end if t >= self.t_end else self.start + (self.end - self.start) * self._at(t)[0]
-
-    def rate(self, t: float) -> float:
-        """First derivative by time [1/s]."""
-        return (self.end - self.start) * self._at(t)[1] / (self.t_end - self.t_start)
-
-    def acceleration(self, t: float) -> float:
-        """Second derivative by time [1/s^2]."""
-        return (self.end - self.start) * self._at(t)[2] / (self.t_end - self.t_start) ** 2
-
-    def _at(self, t: float) -> tuple[float, float, float]:
-        inside = self.t_start <= t < self.t_end
-        return self.shape((t - self.t_start) / (self.t_end - self.t_start)) if inside else (0.0, 0.0, 0.0)
-
-
-@declaration
-class Ramp(Transition):
-    """Change at a constant rate, ``s = tau``. Arguments: see :class:`Transition`."""
-
-    kind: Literal["ramp"] = "ramp"
-
-    def shape(self, tau: float) -> tuple[float, float, float]:
-        """The straight line."""
-        return tau, 1.0, 0.0
-
-    @property
-    def breakpoints(self) -> tuple[float, ...]:
-        """Start and end, where the rate jumps [s]."""
-        return self.t_start, self.t_end
-
-
-@declaration
-class SmoothStep(Transition):
-    """Change with continuous acceleration, ``s = 10 tau^3 - 15 tau^4 + 6 tau^5``. Arguments: see :class:`Transition`."""
-
-    kind: Literal["smooth_step"] = "smooth_step"
-
-    def shape(self, tau: float) -> tuple[float, float, float]:
-        """The quintic whose first two derivatives vanish at both ends."""
-        s = tau**3 * (10.0 + tau * (-15.0 + 6.0 * tau))
-        return s, 30.0 * (tau * (1.0 - tau)) ** 2, 60.0 * tau * (1.0 - tau) * (1.0 - 2.0 * tau)
-
-
-@declaration
-class Cycloid(Transition):
-    """Change with the acceleration of one sine wave, ``s = tau - sin(2 pi tau)/(2 pi)``. Arguments: see :class:`Transition`."""
-
-    kind: Literal["cycloid"] = "cycloid"
-
-    def shape(self, tau: float) -> tuple[float, float, float]:
-        """The cycloid, the classical law of smooth drives and cams."""
-        phase = 2.0 * math.pi * tau
-        return tau - math.sin(phase) / (2.0 * math.pi), 1.0 - math.cos(phase), 2.0 * math.pi * math.sin(phase)
-
-
-@declaration
-class Harmonic(TimeFunction):
+class Harmonic(Integrable):
     """A sine wave, ``mean + amplitude sin(2 pi frequency t + phase)``.
 
     Args:
@@ -206,6 +141,11 @@ class Harmonic(TimeFunction):
         """Second derivative by time [1/s^2]."""
         return -self.amplitude * self._omega**2 * math.sin(self._omega * t + self.phase)
 
+    def integral(self, t: float) -> float:
+        """Integral from 0 to t [s]."""
+        swing = math.cos(self.phase) - math.cos(self._omega * t + self.phase)
+        return self.mean * t + self.amplitude * swing / self._omega
+
     @property
     def _omega(self) -> float:
         return 2.0 * math.pi * self.frequency
@@ -216,7 +156,42 @@ def _constant_from_number(value: object) -> object:
     return Constant(float(value)) if is_number else value  # type: ignore[arg-type]
 
 
-AnyProfile = Constant | Step | Ramp | SmoothStep | Cycloid | Harmonic | Table
+SpeedProfile = Constant | Step | Ramp | SmoothStep | Cycloid | TrapezoidalSpeed | Polynomial | Harmonic | Table
+"""Profiles whose integral has a closed form."""
+
+
+@declaration
+class Integral(TimeFunction):
+    """The integral of another profile, ``start + int_0^t of(s) ds``: the way of a speed, the angle of an angular velocity.
+
+    Args:
+        of: profile whose value is the rate of this one, or a number.
+        start: value at t = 0 [-].
+    """
+
+    of: Annotated[SpeedProfile, BeforeValidator(_constant_from_number, json_schema_input_type=float | SpeedProfile)]
+    start: Number = 0.0
+    kind: Literal["integral"] = "integral"
+
+    def value(self, t: float) -> float:
+        """Value at the time t [s]."""
+        return self.start + self.of.integral(t)
+
+    def rate(self, t: float) -> float:
+        """First derivative by time [1/s]."""
+        return self.of.value(t)
+
+    def acceleration(self, t: float) -> float:
+        """Second derivative by time [1/s^2]."""
+        return self.of.rate(t)
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """Those of the integrand [s]."""
+        return self.of.breakpoints
+
+
+AnyProfile = SpeedProfile | Integral
 
 
 def _kind(value: object) -> object:

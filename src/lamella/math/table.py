@@ -12,14 +12,14 @@ import numpy as np
 
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
-from lamella.math.time_function import TimeFunction
+from lamella.math.time_function import Integrable
 from lamella.units import Number, Time
 
 Interpolation = Literal["linear", "pchip", "cubic"]
 
 
 @declaration
-class Table(TimeFunction):
+class Table(Integrable):
     """Points joined by lines or curves; before the first and after the last the value stays constant.
 
     Args:
@@ -98,6 +98,28 @@ class Table(TimeFunction):
             return 0.0
         s, (c3, c2, _, _) = self._at(t)
         return 6.0 * c3 * s + 2.0 * c2
+
+    def integral(self, t: float) -> float:
+        """Integral from 0 to t [s]."""
+        return self._since_start(t) - self._since_start(0.0)
+
+    def _since_start(self, t: float) -> float:
+        """Integral from the first time to t."""
+        if t < self.times[0]:
+            return self.values[0] * (t - self.times[0])
+        if t >= self.times[-1]:
+            return self._areas[-1] + self.values[-1] * (t - self.times[-1])
+        s, (c3, c2, c1, c0) = self._at(t)
+        return self._areas[bisect_right(self.times, t) - 1] + s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
+
+    @cached_property
+    def _areas(self) -> list[float]:
+        """Integral from the first time to each of the others."""
+        areas = [0.0]
+        for (t, t_next), (c3, c2, c1, c0) in zip(pairwise(self.times), self._pieces, strict=True):
+            s = t_next - t
+            areas.append(areas[-1] + s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0))))
+        return areas
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

@@ -31,3 +31,11 @@ class TimeFunction(ABC):
     def breakpoints(self) -> tuple[float, ...]:
         """Times [s] at which the value or one of the two derivatives jumps."""
         return ()
+
+
+class Integrable(TimeFunction):
+    """A function of time whose integral has a closed form, so that it may be given as the speed of a drive."""
+
+    @abstractmethod
+    def integral(self, t: float) -> float:
+        """Integral of the value from 0 to t [s]."""
