@@ -143,7 +143,7 @@ class Recorder:
 
     def sample(self, at: float, state: State) -> None:
         """Record ``state`` at axis value ``at``."""
-        row = [np.atleast_1d(np.asarray(signal.evaluate(state), float)) for signal in self.signals]
+        row = [np.array(signal.evaluate(state), float, ndmin=1) for signal in self.signals]
         self.at.append(at)
         self.values.append(row)
         for sink in self.sinks:
