@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from lamella.assembly.equations import Equations
 from lamella.dofs import Signal, Trigger
@@ -17,8 +18,6 @@ from lamella.state import State
 
 CLOSE = 1e-6
 """Share of a step to which the time of an event is found."""
-TRIALS = 30
-"""Steps tried to find it."""
 
 
 @dataclass
@@ -42,6 +41,10 @@ class _Watched:
         if not self.open or self.before == 0.0 or np.sign(value) == np.sign(self.before):
             return False
         return self.trigger.direction in (0, -int(np.sign(self.before)))
+
+    def share(self, value: float) -> float:
+        """Share of the step after which the function passed through zero, by linear interpolation."""
+        return self.before / (self.before - value)
 
     def keep(self, value: float) -> None:
         """Take the value at an accepted state; a zero says nothing of the side it was reached from."""
@@ -75,8 +78,8 @@ class EventWatch:
     def locate(self, stepper: Stepper, outcome: StepOutcome, dt: float, t: float) -> tuple[StepOutcome, float, list[Trigger]]:
         """Cut a converged step short where the first event that changes something happens in it.
 
-        The time is bracketed by trying the step with other lengths (regula falsi with bisection); the step ends just behind the
-        event. Events that are only noted do not cut the step; their time is interpolated.
+        The time is found by trying the step with other lengths; the step ends just behind the event. Events that are only noted do
+        not cut the step; their time is interpolated.
 
         Returns:
             The step to accept, its length, and the triggers that act at its end.
@@ -84,35 +87,29 @@ class EventWatch:
         if not self._watched or outcome.point is None:
             return outcome, dt, []
         acting = [item for item in self._crossed(outcome) if _changes(item[0].trigger)]
-        upper, kept = dt, outcome
         if acting:
-            kept, upper = self._bracketed(stepper, outcome, dt, acting)
-        return kept, upper, self._accept(kept, upper, t)
+            outcome, dt = self._cut(stepper, min(acting, key=lambda item: item[0].share(item[1])), dt)
+        return outcome, dt, self._accept(outcome, dt, t)
 
-    def _bracketed(
-        self, stepper: Stepper, outcome: StepOutcome, dt: float, acting: list[tuple[_Watched, float]]
-    ) -> tuple[StepOutcome, float]:
-        """The shortest step found in which one of the events has happened, and its length."""
-        lower, upper, last, kept = 0.0, dt, dt, outcome
-        for trial in range(TRIALS):
-            if upper - lower <= CLOSE * dt:
-                break
-            share = min(item.before / (item.before - value) for item, value in acting)
-            secant = upper * share * (1.0 + 0.5 * CLOSE)  # a little behind the event, so that the bracket closes from above
-            guess = 0.5 * (lower + upper) if trial % 3 == 2 else secant
-            last = min(max(guess, lower + 0.1 * CLOSE * dt), upper - 0.1 * CLOSE * dt)
-            tried = stepper.step(last)
+    def _cut(self, stepper: Stepper, crossed: tuple[_Watched, float], dt: float) -> tuple[StepOutcome, float]:
+        """The step that ends just behind an event, by Brent's method on its length; the whole step where a trial fails."""
+        item, end = crossed
+
+        def value(length: float) -> float:
+            tried = stepper.step(length)
             if tried.point is None:
-                break
-            there = [found for found in self._crossed(tried) if any(found[0] is item for item, _ in acting)]
-            if there:
-                acting, upper, kept = there, last, tried
-            else:
-                lower = last
-        if last != upper:
-            again = stepper.step(upper)  # the stepper accepts the step it tried last
-            kept = again if again.point is not None else kept
-        return kept, upper
+                raise ArithmeticError
+            return item.evaluate(self.equations.state(tried.point))
+
+        try:
+            inside = brentq(lambda s: item.before if s == 0.0 else end if s == dt else value(s), 0.0, dt, xtol=0.5 * CLOSE * dt)
+            length = min(inside + CLOSE * dt, dt)
+            kept = stepper.step(length)
+            if kept.point is not None:
+                return kept, length
+        except ArithmeticError:
+            pass  # the event is then seen at the end of the whole step, which has converged before
+        return stepper.step(dt), dt
 
     def _crossed(self, outcome: StepOutcome) -> list[tuple[_Watched, float]]:
         """What would happen in a step, with the values at its end."""
@@ -129,7 +126,7 @@ class EventWatch:
         for item, value in zip(self._watched, self._values(outcome), strict=True):
             if item.crosses(value):
                 changes = _changes(item.trigger)
-                share = 1.0 if changes else item.before / (item.before - value)
+                share = 1.0 if changes else item.share(value)
                 self.happened.append(Happening(t + share * dt, item.trigger.name, item.trigger.text))
                 item.open = not item.trigger.once
                 if changes:

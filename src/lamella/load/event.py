@@ -56,9 +56,8 @@ class Event(Declaration):
         """Add the trigger, and a switch on its target."""
         act, where = None, f" of '{self.target}'" if self.target else ""
         if self.action in ("switch_on", "switch_off"):
-            act = build.switched(
-                self._known(build, [b.name for b in (*build.loads, *build.forces)]), on=self.action == "switch_on"
-            )
+            forces = [block.name for block in (*build.loads, *build.forces)]
+            act = build.switched(self._known(forces), on=self.action == "switch_on")
         elif self.action == "latch":
             act = build.latches[self._known(list(build.latches))]
         what = f"{self.component or ''} of {self.watch}".removeprefix(" of ")
