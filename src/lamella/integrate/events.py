@@ -78,8 +78,8 @@ class EventWatch:
     def locate(self, stepper: Stepper, outcome: StepOutcome, dt: float, t: float) -> tuple[StepOutcome, float, list[Trigger]]:
         """Cut a converged step short where the first event that changes something happens in it.
 
-        The time is found by trying the step with other lengths; the step ends just behind the event. Events that are only noted do
-        not cut the step; their time is interpolated.
+        The time is found by trying the step with other lengths; the step ends just behind the event. Events that are only noted
+        do not cut the step; their time is interpolated.
 
         Returns:
             The step to accept, its length, and the triggers that act at its end.
@@ -102,7 +102,8 @@ class EventWatch:
             return item.evaluate(self.equations.state(tried.point))
 
         try:
-            inside = brentq(lambda s: item.before if s == 0.0 else end if s == dt else value(s), 0.0, dt, xtol=0.5 * CLOSE * dt)
+            found = brentq(lambda s: item.before if s == 0.0 else end if s == dt else value(s), 0.0, dt, xtol=0.5 * CLOSE * dt)
+            inside = float(found)  # type: ignore[arg-type]  # a pair only with full_output
             length = min(inside + CLOSE * dt, dt)
             kept = stepper.step(length)
             if kept.point is not None:
