@@ -45,6 +45,7 @@ class Equations:
         self._source, self._mass = SumOperator(self.elimination.G), VectorOperator(model.mass)
         self._at_rest = np.zeros(model.n_q)
         self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
+        self._row_size = np.zeros(0)
         if self.constraints.n_all:
             self._keep_independent()
 
@@ -78,6 +79,7 @@ class Equations:
                 )
             self.notes.append(f"left out as redundant: {found}")
         self.constraints.kept = kept
+        self._row_size = np.linalg.norm(jacobian[kept], axis=1)
 
     @cached_property
     def matrix(self) -> MatrixAssembly:
@@ -136,10 +138,26 @@ class Equations:
         r, phi = self._reduce(point, q, self.forces.summed(), self.loads.summed())
         return r, phi, k, j
 
+    def jacobian(self, point: Point) -> sparse.csr_array:
+        """Phi_q T, shape (n_lam, n_u)."""
+        return self.matrix.pattern.jacobian(self.matrix.jacobian(point.t, self.coordinates(point)))
+
+    def position_violation(self, point: Point) -> Floats:
+        """Phi, shape (n_lam,)."""
+        return self.constraints.phi(point.t, self.coordinates(point))
+
     def velocity_violation(self, point: Point) -> Floats:
         """Phi_q v + Phi_t, shape (n_lam,)."""
         q = self.coordinates(point)
         return self.constraints.times(point.t, q, self.velocities(point)) + self.constraints.phi_t(point.t, q)
+
+    def relative(self, phi: Floats) -> float:
+        """Largest value of Phi, each relative to what a change of all coordinates by their magnitudes adds to its row."""
+        return float(np.max(np.abs(phi) / self._row_size, initial=0.0))
+
+    def violation(self, point: Point) -> float:
+        """Largest violation of a constraint, relative to the size of the bodies."""
+        return self.relative(self.position_violation(point)) if self.n_lam else 0.0
 
     def acceleration_rest(self, point: Point) -> Floats:
         """gamma plus Phi_q times the accelerations of moving supports, so that Phi_q T udd = -rest, shape (n_lam,)."""

@@ -119,15 +119,20 @@ class MatrixAssembly:
             if point.factor != 1.0:
                 k *= point.factor
         lam = self.constraints.full(point.lam)
-        for block, j in zip(self.model.constraints, self.j_parts, strict=True):
+        for block in self.model.constraints:
             k = next(parts)
             block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
             k *= weights.alpha_q
-            block.jacobian(point.t, q, j)
         data = self._sum.into(self.buffer, self._values)
         if weights.alpha_a:
             data += weights.alpha_a * self.mass
-        return data, self._j_sum(self.j_buffer)
+        return data, self.jacobian(point.t, q)
+
+    def jacobian(self, t: float, q: Floats) -> Floats:
+        """Values of Phi_q T in the pattern's order."""
+        for block, j in zip(self.model.constraints, self.j_parts, strict=True):
+            block.jacobian(t, q, j)
+        return self._j_sum(self.j_buffer)
 
 
 def _shifted(entries: Entries, start: int) -> Entries:
