@@ -15,7 +15,7 @@ LAYERS = [
     {"errors", "units", "declaration", "roles", "kinematics", "dofs", "state", "result", "progress", "_jit", "lane"},
     {"math"},
     {"material"},
-    {"element", "constraint"},
+    {"element", "constraint", "measure"},
     {"body"},
     {"joint", "load", "contact", "thermal"},
     {"model"},

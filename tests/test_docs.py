@@ -28,6 +28,11 @@ def script(text: str) -> str:
     return "\n".join(blocks(text, "python"))
 
 
+def models(text: str) -> list[str]:
+    """The whole model files of a page."""
+    return [body for body in blocks(text, "yaml") if body.startswith("lamella: 1")]
+
+
 def commands(text: str) -> set[str]:
     """The subcommands of ``lamella`` that a page's shell blocks call."""
     return set(re.findall(r"^(?:\.venv/bin/)?lamella (\w+)", "\n".join(blocks(text, "sh")), re.MULTILINE))
@@ -52,6 +57,14 @@ def name(page: Path) -> str:
 def test_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     done = run(script(page.read_text("utf-8")), tmp_path)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if models(page.read_text("utf-8"))], ids=name)
+def test_model_files_of_a_page_are_models(page: Path) -> None:
+    from lamella.io.model_file import loads
+
+    for text in models(page.read_text("utf-8")):
+        loads(text, name=name(page)).system.compile()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)

@@ -21,9 +21,13 @@ if TYPE_CHECKING:
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
+    from lamella.joint.coupling import AngleCoupling as AngleCoupling
     from lamella.joint.coupling import PositionCoupling as PositionCoupling
     from lamella.joint.cylindrical import CylindricalJoint as CylindricalJoint
+    from lamella.joint.distance import Cable as Cable
     from lamella.joint.distance import DistanceJoint as DistanceJoint
+    from lamella.joint.drive import AngleDrive as AngleDrive
+    from lamella.joint.drive import SlideDrive as SlideDrive
     from lamella.joint.fixed import FixedJoint as FixedJoint
     from lamella.joint.hinge import EdgeHinge as EdgeHinge
     from lamella.joint.point_on_line import PointInPlaneJoint as PointInPlaneJoint
@@ -42,6 +46,11 @@ if TYPE_CHECKING:
     from lamella.load.moment import EdgeMoment as EdgeMoment
     from lamella.load.moment import PointMoment as PointMoment
     from lamella.load.pressure import Pressure as Pressure
+    from lamella.load.spring import SlideSpring as SlideSpring
+    from lamella.load.spring import SpringDamper as SpringDamper
+    from lamella.load.spring import TorsionSpring as TorsionSpring
+    from lamella.load.stop import EndStop as EndStop
+    from lamella.load.stop import Latch as Latch
     from lamella.material.isotropic import Isotropic as Isotropic
     from lamella.material.lamina import Lamina as Lamina
     from lamella.material.laminate import Laminate as Laminate
@@ -90,13 +99,16 @@ _HOME = {
     "joint.spherical": ("SphericalJoint",),
     "joint.universal": ("UniversalJoint",),
     "joint.clamp": ("Clamp",),
-    "joint.coupling": ("PositionCoupling",),
-    "joint.distance": ("DistanceJoint",),
+    "joint.coupling": ("AngleCoupling", "PositionCoupling"),
+    "joint.distance": ("Cable", "DistanceJoint"),
+    "joint.drive": ("AngleDrive", "SlideDrive"),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
     "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),
     "load.gravity": ("Gravity",),
     "load.moment": ("EdgeMoment", "PointMoment"),
     "load.pressure": ("Pressure",),
+    "load.spring": ("SlideSpring", "SpringDamper", "TorsionSpring"),
+    "load.stop": ("EndStop", "Latch"),
     "material.isotropic": ("Isotropic",),
     "material.lamina": ("Lamina",),
     "material.laminate": ("Laminate", "Ply"),

@@ -27,6 +27,29 @@ class Motion(Protocol):
 
 
 @dataclass(frozen=True)
+class Trigger:
+    """An event: something happens when a function of the state passes through zero.
+
+    Args:
+        name: the declaration's name.
+        evaluate: the function.
+        direction: 1 for passing upwards, -1 downwards, 0 for both.
+        text: what happens, for messages.
+        act: called between two steps; None when the event is only noted.
+        stops: whether the run ends there.
+        once: whether it may happen only once in a run.
+    """
+
+    name: str
+    evaluate: Callable[[State], float]
+    direction: int
+    text: str
+    act: Callable[[], None] | None = None
+    stops: bool = False
+    once: bool = True
+
+
+@dataclass(frozen=True)
 class LinearRow:
     """One constant linear constraint ``coefs . q[coords] = constant + motion(t)``, eliminated before the solution.
 
@@ -82,6 +105,10 @@ class DotRow:
     terms: tuple[tuple[float, VectorRows, VectorRows], ...]
     constant: float = 0.0
     motion: Motion | None = None
+
+    def sum(self, vectors: Floats) -> float:
+        """The sum on the left-hand side; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
+        return sum(c * float(u.at(vectors) @ w.at(vectors)) for c, u, w in self.terms)
 
     def linear(self) -> LinearRow | None:
         """The same row as a linear one when one vector of every term is fixed in space, else None."""
@@ -141,6 +168,7 @@ class Build:
     supports: list[Support] = field(default_factory=list)
     signals: list[Signal] = field(default_factory=list)
     bodies: dict[str, object] = field(default_factory=dict)
+    triggers: list[Trigger] = field(default_factory=list)
     breakpoints: list[float] = field(default_factory=list)
     frames: dict[str, Frame] = field(default_factory=dict)
     owners: list[str] = field(default_factory=list)
@@ -195,6 +223,11 @@ class Build:
             self._add(row, self.dots)
         numbers = tuple(range(linear, len(self.rows))), tuple(range(dots, len(self.dots)))
         self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame, single))
+
+    def constrain(self, block: ConstraintBlock) -> None:
+        """Add a block of constraints with multipliers, and the jumps of its motions."""
+        self.breakpoints.extend(block.breakpoints)
+        self.constraints.append(block)
 
     def tie(self, rows: Sequence[LinearRow | DotRow]) -> None:
         """Add the equations by which a body holds itself together; they have no reaction that is reported."""

@@ -63,6 +63,8 @@ class ForceBlock(ABC):
        stiffness from a linear extrapolation, which saves iterations and changes no converged result.
     5. ``energy`` is the potential whose derivative is the conservative part of f, 0.0 when there is none.
     6. ``dissipation`` is the power [W] turned into heat, never negative, 0.0 when there is none.
+    7. A block with discrete state (a latch that has engaged) changes it only between steps; ``reset`` puts it back to that of the
+       start of a run.
     """
 
     name: str
@@ -91,6 +93,9 @@ class ForceBlock(ABC):
     def dissipation(self, t: float, q: Floats, v: Floats) -> float:
         """Power turned into heat [W]."""
         return 0.0
+
+    def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Forget what happened in an earlier run (rule 7)."""
 
 
 class InertiaBlock(ABC):
@@ -122,6 +127,8 @@ class ConstraintBlock(ABC):
     body: bool = False
     moves: bool = False
     """Whether time enters."""
+    breakpoints: tuple[float, ...] = ()
+    """Times [s] at which a prescribed value or one of its derivatives jumps."""
     first: int = 0
     """Number of the block's first multiplier in a state; set when a model is made."""
     j_rows: Ints

@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
     Force = ForcePerLength = Pressure = Torque = TorquePerLength = Velocity = AngularVelocity = Acceleration = Rate = float
     Expansion = Inertia = Product = float
+    Stiffness = Damping = TorsionalStiffness = TorsionalDamping = float
 else:
     Number = quantity("")
     Positive = quantity("", gt=0)
@@ -107,3 +108,7 @@ else:
     Expansion = quantity("1/K")
     Inertia = quantity("kg*m^2", gt=0)
     Product = quantity("kg*m^2")
+    Stiffness = quantity("N/m", ge=0)
+    Damping = quantity("N*s/m", ge=0)
+    TorsionalStiffness = quantity("N*m/rad", ge=0)
+    TorsionalDamping = quantity("N*m*s/rad", ge=0)

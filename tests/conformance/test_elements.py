@@ -206,6 +206,93 @@ def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng):
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)  # quadratic remainder
 
 
+# --- linear strains in moving frames -----------------------------------------------------------------
+
+
+@pytest.fixture(params=["floating", "corotational"])
+def moving(request, mesh, rng):
+    return module(mesh.element, "block").STRAIN_MODELS[request.param]("plate", *mesh.tables, section(rng))
+
+
+def moved(mesh, q, rng):
+    return turned(q, mesh.is_position, random_rotation(rng), 3.0 * rng.standard_normal(3))
+
+
+def test_rigid_motion_gives_no_force_in_a_moving_frame(mesh, moving, rng):
+    q, typical = moved(mesh, mesh.rest, rng), deformed(mesh, rng)
+    # deviations of rounding size, 1e-15, give forces of that size and energies of its square
+    assert np.abs(gathered_force(moving, q)).max() < 1e-12 * np.abs(gathered_force(moving, typical)).max()
+    assert 0 <= moving.energy(0.0, q) < 1e-24 * moving.energy(0.0, typical)
+
+
+def test_force_in_a_moving_frame_turns_with_the_configuration(mesh, moving, rng):
+    q, R = deformed(mesh, rng), random_rotation(rng)
+    after = turned(q, mesh.is_position, R, np.array([1.0, -2.0, 0.5]))
+    expected = (gathered_force(moving, q).reshape(-1, 3) @ R.T).reshape(-1)
+    np.testing.assert_allclose(gathered_force(moving, after), expected, atol=1e-11 * np.abs(expected).max())
+    assert moving.energy(0.0, after) == pytest.approx(moving.energy(0.0, q), rel=1e-11)
+
+
+def test_force_in_a_moving_frame_has_no_resultant_and_no_torque(mesh, moving, rng):
+    q = moved(mesh, deformed(mesh, rng, 0.2), rng).reshape(-1, 3)
+    f = gathered_force(moving, q.reshape(-1)).reshape(-1, 3)
+    size = np.abs(f).sum()
+    np.testing.assert_allclose(f[mesh.is_position].sum(axis=0), 0.0, atol=1e-13 * size)
+    np.testing.assert_allclose(np.cross(q, f).sum(axis=0), 0.0, atol=1e-13 * size * np.abs(q).max())
+
+
+def test_force_in_a_moving_frame_is_the_derivative_of_the_energy(mesh, moving, rng):
+    q, d = moved(mesh, deformed(mesh, rng, 0.2), rng), rng.standard_normal(mesh.rest.shape)
+    numeric = derivative(lambda h: moving.energy(0.0, q + h * d), 2e-4)
+    assert gathered_force(moving, q) @ d == pytest.approx(numeric, rel=1e-9)
+
+
+def test_tangent_in_a_moving_frame_is_the_derivative_of_the_force(mesh, moving, rng):
+    q, d = moved(mesh, deformed(mesh, rng, 0.2), rng), rng.standard_normal(mesh.rest.shape)
+    f, K = dense(moving, q, alpha_q=0.7)
+    numeric = derivative(lambda h: gathered_force(moving, q + h * d), 2e-4)
+    np.testing.assert_allclose(f, gathered_force(moving, q), rtol=1e-12, atol=1e-12 * np.abs(f).max())
+    np.testing.assert_allclose(K @ d, 0.7 * numeric, atol=1e-9 * np.abs(numeric).max())
+
+
+@pytest.mark.parametrize("name", ["floating", "corotational"])
+def test_moving_frames_share_the_tangent_of_the_reference(mesh, rng, name):
+    models, C = module(mesh.element, "block").STRAIN_MODELS, section(rng)
+    K = dense(models["linear"]("plate", *mesh.tables, C), mesh.rest)[1]
+    np.testing.assert_allclose(dense(models[name]("plate", *mesh.tables, C), mesh.rest)[1], K, atol=1e-12 * np.abs(K).max())
+
+
+def test_one_element_has_the_same_energy_in_both_frames(element, rng):
+    models, C = module(element, "block").STRAIN_MODELS, section(rng)
+    mesh = patch(element, XS[:2], YS[:2], SURFACES["twisted"])
+    q = deformed(mesh, rng)
+    body, single = (models[name]("plate", *mesh.tables, C) for name in ("floating", "corotational"))
+    assert body.energy(0.0, q) == pytest.approx(single.energy(0.0, q), rel=1e-12)
+
+
+def test_frames_follow_the_mean_gradient(element, rng):
+    mesh, F, models = patch(element, XS, YS), rng.standard_normal((3, 3)), module(element, "block").STRAIN_MODELS
+    vectors = mesh.rest.reshape(-1, 3) @ F.T
+    for name in ("floating", "corotational"):
+        groups = models[name]("plate", *mesh.tables, section(rng)).groups
+        found = groups.weights @ vectors.reshape(-1)[groups.coords]
+        np.testing.assert_allclose(found, np.broadcast_to(F[:, :2].T, found.shape), atol=1e-14 * len(vectors))
+
+
+def test_a_configuration_without_a_frame_gives_no_number(mesh, moving):
+    flattened = mesh.rest.reshape(-1, 3) * [1.0, 0.0, 0.0]  # all on a line
+    assert np.isnan(gathered_force(moving, flattened.reshape(-1))).all()
+
+
+def test_a_closed_ring_has_no_floating_frame(element, rng):
+    models, C = module(element, "block").STRAIN_MODELS, section(rng)
+    ring = patch(element, np.linspace(0.0, 2 * np.pi * 1.3, 9), [0.0, 1.0], SURFACES["cylinder"])
+    with pytest.raises(ModelError, match="ring: the mean of r_x and r_y over the reference has no direction"):
+        models["floating"]("ring", *ring.tables, C)
+    block, q = models["corotational"]("ring", *ring.tables, C), moved(ring, ring.rest, rng)
+    assert block.energy(0.0, q) < 1e-24 * block.energy(0.0, deformed(ring, rng))
+
+
 # --- inertia --------------------------------------------------------------------------------------
 
 
@@ -288,10 +375,11 @@ def test_mass_damping_is_a_constant_matrix(mesh, rng):
 # --- messages -------------------------------------------------------------------------------------
 
 
-def test_impossible_input_is_refused_with_one_message(element, rng):
+@pytest.mark.parametrize("name", ["exact", "linear", "floating", "corotational"])
+def test_impossible_input_is_refused_with_one_message(element, rng, name):
     mesh, C = patch(element, [0.0, 1.0], [0.0, 1.0]), section(rng)
     blocks = module(element, "block")
-    model = blocks.STRAIN_MODELS["exact"]
+    model = blocks.STRAIN_MODELS[name]
     with pytest.raises(ModelError, match="wing: element tables have shapes"):
         model("wing", mesh.coords[:, :24], mesh.scale, mesh.reference, C)
     with pytest.raises(ModelError, match="wing: stiffness has shape"):

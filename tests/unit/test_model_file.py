@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import lamella as lm
+from lamella.declaration import declaration
 from lamella.errors import DeclarationError, ModelFileError
 from lamella.io.analysis import Motion, NaturalModes, Statics
 from lamella.io.annotation import concrete
@@ -45,6 +46,49 @@ analysis:
 output: {frames: 20}
 """
 
+BODIES = """\
+lamella: 1
+redundant: drop
+system:
+  lock: {type: gauge, on: pin, others: [ball]}
+  pin: {type: revolute_joint, a: frame.hook, b: hub.origin, axis: [0, 1, 0]}
+  frame: {type: ground, markers: {hook: [0, 0, 1]}}
+  hub:
+    type: rigid_body
+    shape: {kind: box, size: [20 cm, 0.2, 0.3]}
+    density: 2700
+    position: [0, 0, 1]
+    markers: {rim: [0.1, 0, 0]}
+  panel:
+    type: plate
+    size: [1, 0.2]
+    mesh: [2, 1]
+    laminate: {ply: {type: isotropic, E: 70 GPa, nu: 0.3, rho: 2700}, thickness: 2 mm}
+    position: [0.1, -0.1, 1]
+  root: {type: fixed_joint, a: hub.rim, b: panel.x-}
+  end: {type: rigid_body, mass: 2, inertia: [1, 1, 1], position: [1.1, 0, 1]}
+  ball: {type: spherical_joint, a: panel.x+y-, b: end.origin}
+"""
+"""Bodies and joints; the ball is not where its markers are, which only compiling finds."""
+
+
+@declaration
+class Gauge(Declaration):
+    """Something that refers to joints.
+
+    Args:
+        name: unique name.
+        on: a joint.
+        others: further joints.
+    """
+
+    name: str
+    on: lm.RevoluteJoint | lm.EdgeHinge
+    others: tuple[lm.SphericalJoint, ...] = ()
+
+    def contribute(self, build) -> None:
+        """Nothing."""
+
 
 def refused(text: str, *overrides: str) -> str:
     with pytest.raises(ModelFileError) as caught:
@@ -76,6 +120,81 @@ def test_declarations_are_those_of_python() -> None:
     assert swing == Motion("swing", 2.0, lm.GeneralizedAlpha(1e-3, 0.8), start="still")
     assert modes == NaturalModes("modes", 5, about="still")
     assert model.output.frames == 20
+
+
+def test_bodies_joints_and_references_to_joints_are_read_and_written() -> None:
+    system = loads(BODIES).system
+    lock, pin, frame, hub, panel, root, end, ball = system.declarations
+    assert hub == lm.RigidBody(
+        "hub", shape=lm.Box((0.2, 0.2, 0.3)), density=2700, position=(0, 0, 1), markers={"rim": (0.1, 0, 0)}
+    )
+    assert pin == lm.RevoluteJoint("pin", frame.marker("hook", 0, 0, 1), hub.origin, (0, 1, 0))
+    assert root.a == hub.marker("rim", 0.1, 0, 0)
+    assert (root.b.body, root.b.side) == (panel, "x-")
+    assert ball == lm.SphericalJoint("ball", panel.corner("x+y-"), end.origin)
+    assert (lock.on, lock.others) == (pin, (ball,))
+    assert system.redundant == "drop"
+    text = dumps(system)
+    assert loads(text).text() == text
+    assert "redundant: drop" in text
+    assert "on: pin\n    others: [ball]\n" in text
+    assert loads(BODIES, ["redundant=raise"]).system.redundant == "raise"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "said"),
+    [
+        ("on: pin", "on: pni", "system.lock.on", "there is no revolute_joint or edge_hinge 'pni'; did you mean 'pin'?"),
+        ("on: pin", "on: ball", "system.lock.on", "'ball' has the type spherical_joint; accepted are pin"),
+        ("on: pin", "on: [pin]", "system.lock.on", "accepted is the name of an item (revolute_joint, edge_hinge)"),
+        ("[ball]", "[bal]", "system.lock.others[0]", "there is no spherical_joint 'bal'; did you mean 'ball'?"),
+        ("on: pin", "on: lock", "system.lock", "'lock' refers to itself"),
+        ("kind: box", "kind: bax", "system.hub.shape.kind", "there is no kind 'bax'; did you mean 'box'?"),
+        (
+            "{kind: box, size: [20 cm, 0.2, 0.3]}",
+            "{radius: 1}",
+            "system.hub.shape",
+            "'kind' is missing; accepted are box, cylinder",
+        ),
+        ("{kind: box, size: [20 cm, 0.2, 0.3]}", "box", "system.hub.shape", "found 'box'; accepted is a mapping (box, cylinder"),
+        ("{kind: box, size: [20 cm, 0.2, 0.3]}", "3", "system.hub.shape", "found 3; accepted is a mapping (box, cylinder"),
+        ("size: [20 cm, 0.2, 0.3]", "size: [20 kg, 0.2, 0.3]", "system.hub.shape.size[0]", "does not convert to m"),
+        ("density: 2700", "denisty: 2700", "system.hub.denisty", "did you mean 'density'?"),
+        (
+            "b: hub.origin",
+            "b: hub.rin",
+            "system.pin.b",
+            "'hub' has no marker or edge 'rin'; did you mean 'rim'? accepted are rim, origin",
+        ),
+        ("b: hub.origin", "b: hub.x-", "system.pin.b", "'hub' has no marker or edge 'x-'; accepted are rim, origin"),
+        ("b: hub.origin", "b: hub", "system.pin.b", "found 'hub'; accepted is a marker such as plate.tip"),
+        ("b: panel.x-", "b: pin.x-", "system.root.b", "'pin' has the type revolute_joint; accepted are frame, hub, panel, end"),
+        ("axis: [0, 1, 0]", "axes: [0, 1, 0]", "system.pin.axes", "revolute_joint has no key 'axes'; did you mean 'axis'?"),
+        ("redundant: drop", "redundant: dorp", "redundant", "found 'dorp'; did you mean 'drop'? accepted are raise, drop"),
+    ],
+)
+def test_message_about_bodies_and_joints(old: str, new: str, key: str, said: str) -> None:
+    assert BODIES.count(old) == 1
+    message = refused(BODIES.replace(old, new))
+    line = BODIES[: BODIES.index(old)].count("\n") + 1
+    assert f"line {line}, {key}: " in message
+    assert said in message
+    assert "error" not in message
+
+
+def test_ground_that_was_not_added_is_written() -> None:
+    system, hub = lm.System(), lm.RigidBody("hub", 1.0, (1, 1, 1))
+    system.add(hub)
+    system.add(lm.RevoluteJoint("pin", lm.Ground().marker("hook", 0, 0, 0), hub.origin))
+    system.add(lm.PointInPlaneJoint("plane", lm.Ground().marker("floor", 0, 0, -1), hub.marker("foot", 0, 0, -1)))
+    again = {item.name: item for item in loads(dumps(system)).system.declarations}
+    assert again["ground"] == lm.Ground(markers={"hook": (0, 0, 0), "floor": (0, 0, -1)})
+    assert again["pin"].a.at == (0, 0, 0)
+    system.add(lm.SphericalJoint("ball", lm.Ground().marker("floor", 0, 0, -2), hub.origin))
+    with pytest.raises(DeclarationError, match=r"Ground 'ground': marker 'floor' is at \(0\.0, 0\.0, -1\.0\) and"):
+        dumps(system)
+    with pytest.raises(DeclarationError, match=r"Ground 'ground': marker 'hook' is already at"):
+        lm.Ground(markers={"hook": (0, 0, 0)}).marker("hook", 1, 0, 0)
 
 
 def test_every_public_declaration_can_be_written_in_a_file() -> None:
@@ -155,7 +274,7 @@ def test_templates_are_valid(name: str) -> None:
         ("type: clamp, on: plate.x-", "type: clamp", "system.root", "clamp needs 'on'"),
         ("on: plate.x-", "on: plat.x-", "system.root.on", "there is no body 'plat'; did you mean 'plate'?"),
         ("on: plate.x-", "on: plate.z-", "system.root.on", "'plate' has no marker or edge 'z-'; accepted are tip, "),
-        ("on: plate.x-", "on: plate", "system.root.on", "accepted is plate.marker or an edge such as plate.x-"),
+        ("on: plate.x-", "on: plate", "system.root.on", "found 'plate'; accepted is an edge such as plate.x- or a marker"),
         (
             "on: plate.x-",
             "on: 7",
@@ -296,6 +415,18 @@ def test_schema_describes_units_defaults_and_references() -> None:
     assert schema["$defs"]["Clamp"]["required"] == ["type", "on"]
     for reference in [part["$ref"] for part in schema["properties"]["system"]["additionalProperties"]["anyOf"]]:
         assert reference.removeprefix("#/$defs/") in schema["$defs"]
+
+
+def test_schema_says_how_bodies_joints_and_references_are_written() -> None:
+    schema = json_schema()
+    hub = schema["$defs"]["RigidBody"]["properties"]
+    shapes = [choice.get("$ref") or choice["type"] for choice in hub["shape"]["anyOf"]]
+    assert shapes == ["#/$defs/Box", "#/$defs/Cylinder", "#/$defs/Sphere", "null"]
+    assert schema["$defs"]["Box"]["properties"]["kind"] == {"const": "box"}
+    on = schema["$defs"]["Gauge"]["properties"]["on"]
+    assert (on["type"], on["description"]) == ("string", "a joint.")
+    assert schema["properties"]["redundant"]["enum"] == ["raise", "drop"]
+    assert any(choice.get("type") == "number" for choice in schema["$defs"]["PointForce"]["properties"]["profile"]["anyOf"])
 
 
 def test_every_argument_has_a_description_in_the_schema() -> None:

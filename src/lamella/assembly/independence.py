@@ -68,8 +68,8 @@ def _repeated(jacobian: Floats, row: int, kept: list[int], of_bodies: Bools) -> 
     shares = np.linalg.lstsq(jacobian[kept].T, jacobian[row], rcond=None)[0]
     sizes = np.abs(shares) * np.linalg.norm(jacobian[kept], axis=1)
     taking_part = [(size, other) for size, other in zip(sizes.tolist(), kept, strict=True) if not of_bodies[other]]
-    largest = max((size for size, _ in taking_part), default=0.0)
-    return tuple(other for size, other in sorted(taking_part, reverse=True) if size > 1e-6 * max(largest, 1e-12))
+    length = float(np.linalg.norm(jacobian[row]))  # shares far below it are rounding
+    return tuple(other for size, other in sorted(taking_part, reverse=True) if size > 1e-6 * length)
 
 
 def described(redundant: Sequence[Redundancy], labels: Sequence[str]) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import Field
 
 from lamella.body.base import Body, Marker
 from lamella.declaration import declaration
+from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows, VectorRows
 from lamella.roles import Floats
 from lamella.units import Length
@@ -26,13 +28,23 @@ class Ground(Body):
     """
 
     name: str = "ground"
-    markers: dict[str, tuple[Length, Length, Length]] | None = None
+    markers: dict[str, tuple[Length, Length, Length]] = Field(default_factory=dict)
 
     has_axes = True
 
     def marker(self, name: str, x: float, y: float, z: float) -> Marker:
         """A named point (x, y, z) [m] fixed in space."""
-        return Marker(self, name, (x, y, z))
+        at = (float(x), float(y), float(z))
+        if self.markers.setdefault(name, at) != at:
+            raise DeclarationError(
+                f"Ground '{self.name}'", f"marker '{name}' is already at {self.markers[name]}", "use another name"
+            )
+        return Marker(self, name, at)
+
+    @property
+    def origin(self) -> Marker:
+        """The origin of the inertial frame as a marker."""
+        return Marker(self, "origin", (0.0, 0.0, 0.0))
 
     def contribute(self, build: Build) -> None:
         """The ground adds nothing."""

@@ -79,7 +79,7 @@ class Plate(Body):
     rotation: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
     velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
     angular_velocity: tuple[AngularVelocity, AngularVelocity, AngularVelocity] = (0.0, 0.0, 0.0)
-    strain: Literal["exact", "linear", "rigid"] = "exact"
+    strain: Literal["exact", "linear", "floating", "corotational", "rigid"] = "exact"
     n_gauss: Literal[3, 4, 5] = 4
     damping: Seconds = 0.0
     mass_damping: Rate = 0.0

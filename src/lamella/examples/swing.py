@@ -86,9 +86,9 @@ def run_swing(study: Study, name: str, overrides: Sequence[str], *, pictures: bo
     )
 
 
-def animation_of(study: Study, name: str) -> Path | None:
+def animation_of(study: Study, name: str, analysis: str = "swing") -> Path | None:
     """The animation of a variant's motion, when one was drawn."""
-    files = (path for item in study.finished[name] if item.analysis.name == "swing" for path in item.files)
+    files = (path for item in study.finished[name] if item.analysis.name == analysis for path in item.files)
     return next((path for path in files if path.stem == "animation"), None)
 
 

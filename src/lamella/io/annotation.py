@@ -13,8 +13,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 from pydantic.dataclasses import is_pydantic_dataclass
 from pydantic.fields import FieldInfo
 
-from lamella.body.base import Body, Marker
+from lamella.body.base import Marker
 from lamella.body.plate import Edge
+from lamella.roles import Declaration
 
 PLACES = (Marker, Edge)
 """Classes that a model file writes as text ``body.place``."""
@@ -40,7 +41,7 @@ class Options:
     Args:
         classes: declarations, written as mappings.
         places: markers and edges, written as ``body.place``.
-        bodies: bodies, written by their name.
+        references: bodies, joints and other items of the system, written by their name.
         items: annotations of the items of a sequence that holds declarations or references; one for each place of a tuple.
         repeated: True when a sequence has any number of items of the one annotation in ``items``.
         values: annotation of the values of a mapping that holds declarations or references.
@@ -49,7 +50,7 @@ class Options:
 
     classes: tuple[type, ...]
     places: tuple[type, ...]
-    bodies: tuple[type, ...]
+    references: tuple[type, ...]
     items: tuple[Any, ...]
     repeated: bool
     values: Any
@@ -57,7 +58,7 @@ class Options:
 
     @property
     def structured(self) -> bool:
-        return bool(self.classes or self.places or self.bodies or self.items or self.values is not None)
+        return bool(self.classes or self.places or self.references or self.items or self.values is not None)
 
 
 def concrete(base: type) -> tuple[type, ...]:
@@ -97,7 +98,7 @@ def options(annotation: Any) -> Options:
     """Sort the alternatives of an annotation."""
     classes: list[type] = []
     places: list[type] = []
-    bodies: list[type] = []
+    references: list[type] = []
     items: tuple[Any, ...] = ()
     plain: list[Any] = []
     repeated, values = False, None
@@ -106,8 +107,8 @@ def options(annotation: Any) -> Options:
         origin, inner = get_origin(bare), get_args(bare)
         if isinstance(bare, type) and bare in PLACES:
             places.append(bare)
-        elif isinstance(bare, type) and origin is None and issubclass(bare, Body):
-            bodies.append(bare)
+        elif isinstance(bare, type) and origin is None and issubclass(bare, Declaration):
+            references.append(bare)
         elif isinstance(bare, type) and origin is None and concrete(bare):
             classes += [cls for cls in concrete(bare) if cls not in classes]
         elif origin in SEQUENCES and any(part is not Ellipsis and options(part).structured for part in inner):
@@ -117,7 +118,7 @@ def options(annotation: Any) -> Options:
             values = inner[1]
         else:
             plain.append(member)
-    return Options(tuple(classes), tuple(places), tuple(bodies), items, repeated, values, tuple(plain))
+    return Options(tuple(classes), tuple(places), tuple(references), items, repeated, values, tuple(plain))
 
 
 def _members(annotation: Any) -> list[Any]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from lamella.errors import ModelFileError
 from lamella.io.analysis import Analysis, Output
@@ -18,7 +18,7 @@ from lamella.io.reader import FAILED, suggestion
 from lamella.io.references import Items
 from lamella.io.sections import FORMAT, SECTIONS
 from lamella.io.writer import dumps
-from lamella.system import System
+from lamella.system import Redundant, System
 
 __all__ = ["ModelFile", "dumps", "loads", "read_model"]
 
@@ -87,7 +87,7 @@ def _model(document: Document, overrides: Sequence[str]) -> ModelFile:
     read = items.reader.declared(SECTIONS["output"].classes(), output, ("output",)) if output is not None else Output()
     document.check()
     assert read is not FAILED
-    system = System()
+    system = System(document.data.get("redundant", "raise"))
     for declaration in declarations.values():
         system.add(declaration)
     title, description = (str(document.data.get(key) or "") for key in ("title", "description"))
@@ -107,6 +107,10 @@ def _check_top(document: Document) -> None:
     for key in ("title", "description"):
         if isinstance(data.get(key), (dict, list)):
             document.problem((key,), f"found {shown(data[key])}; accepted is text")
+    if "redundant" in data and data["redundant"] not in get_args(Redundant):
+        document.problem(
+            ("redundant",), f"found {shown(data['redundant'])}{suggestion(str(data['redundant']), get_args(Redundant))}"
+        )
     if not data.get("system"):
         document.problem(("system",), "no body, joint or load is given; accepted are 'name: {type: plate, ...}' entries")
 

@@ -10,11 +10,13 @@ from typing import Any, Final
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
+from lamella.body.base import Body
 from lamella.declaration import LIMITS
 from lamella.errors import DeclarationError, LamellaError
-from lamella.io.annotation import Options, field_specs, fixed_length, options, same_shape, tag_of
+from lamella.io.annotation import Options, concrete, field_specs, fixed_length, options, same_shape, tag_of
 from lamella.io.document import Document, Place, shown
 from lamella.io.table_file import FILE, read_table
+from lamella.math.profile import Constant
 from lamella.math.table import Table
 
 
@@ -43,7 +45,7 @@ class Reader:
         allowed = options(annotation)
         if not allowed.structured or data is None:
             return self._plain(annotation, data, place)
-        if isinstance(data, str) and (allowed.places or allowed.bodies or allowed.classes):
+        if isinstance(data, str) and (allowed.places or allowed.references or allowed.classes):
             found = self.lookup(allowed, data, place)
             if found is not None:
                 return found
@@ -103,7 +105,8 @@ class Reader:
             return classes[0]
         alike = {cls: len(set(data) & set(field_specs(cls))) - len(set(data) - set(field_specs(cls))) for cls in classes}
         best = max(alike, key=lambda cls: alike[cls])
-        if alike[best] > 0 and len(classes) <= 3:  # a lamina or an isotropic material is told by its keys
+        alone = list(alike.values()).count(alike[best]) == 1
+        if alike[best] > 0 and alone and len(classes) <= 3:  # a lamina or an isotropic material is told by its keys
             return best
         self._fail(place, f"'{min(keys)}' is missing; accepted are {', '.join(sorted(tags))}")
         return None
@@ -150,16 +153,22 @@ def accepted(allowed: Options) -> str:
     if allowed.places:
         edge, marker = (any(cls.__name__ == name for cls in allowed.places) for name in ("Edge", "Marker"))
         words += ["an edge such as plate.x-"] * edge + ["a marker such as plate.tip"] * marker
-    if allowed.bodies:
-        words.append("the name of a body")
+    if allowed.references:
+        body = allowed.references == (Body,)
+        words.append("the name of a body" if body else f"the name of an item ({', '.join(kinds(allowed.references))})")
     if allowed.classes:
         names = ", ".join(sorted(tag_of(cls)[1] for cls in allowed.classes))
-        if any(tag_of(cls)[0] == "kind" for cls in allowed.classes):
+        if Constant in allowed.classes:
             words.append("a number")
         words.append(f"a mapping ({names})")
     if allowed.items:
         words.append("a list")
     return " or ".join(words)
+
+
+def kinds(references: tuple[type, ...]) -> list[str]:
+    """The types of item a name may refer to."""
+    return list(dict.fromkeys(tag_of(cls)[1] for base in references for cls in concrete(base)))
 
 
 def closest(word: str, known: Iterable[str]) -> str | None:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from lamella.body.base import Body, Marker
 from lamella.body.ground import Ground
 from lamella.body.plate import Edge, Plate
+from lamella.body.rigid import RigidBody
 from lamella.io.annotation import Options, field_specs, tag_of
 from lamella.io.document import Document, Place, shown
-from lamella.io.reader import FAILED, Reader, suggestion
+from lamella.io.reader import FAILED, Reader, accepted, kinds, suggestion
 from lamella.io.sections import DEFINITIONS, SECTIONS
 
 EDGES = ("x-", "x+", "y-", "y+")
 CORNERS = ("x-y-", "x+y-", "x+y+", "x-y+")
+ORIGIN = "origin"
 NAME = re.compile(r"[^\W\d][\w-]*")
 BUSY = object()
 
@@ -67,47 +70,52 @@ class Items:
 
     def lookup(self, allowed: Options, text: str, place: Place) -> Any:
         """What ``text`` refers to; FAILED after a problem, None when it is no reference at all."""
-        if allowed.places:
+        if allowed.places and ("." in text or not allowed.references):
             return self._place(allowed, text, place)
-        if allowed.bodies:
-            return self._body(text, place)
+        if allowed.references:
+            return self._referred(allowed.references, text, place)
         return self._definition(allowed, text, place)
 
     def _definition(self, allowed: Options, text: str, place: Place) -> Any:
-        known = []
+        known, definable = [], False
         for section in DEFINITIONS:
             content = self.document.data.get(section)
             names = list(content) if isinstance(content, dict) else []
             if any(cls in SECTIONS[section].classes() for cls in allowed.classes):
+                definable = True
                 if text in names:
                     return self.item(section, text)
                 known += names
-        if NAME.fullmatch(text):
+        if definable and NAME.fullmatch(text):
             self.document.problem(place, f"nothing is defined under the name '{text}'{suggestion(text, known)}")
             return FAILED
         return None
 
-    def _body(self, name: str, place: Place) -> Any:
-        content = self.document.data.get("system")
+    def _referred(self, classes: tuple[type, ...], name: str, place: Place) -> Any:
+        """The item of the system called ``name``, which must be of one of ``classes``."""
+        content, names = self.document.data.get("system"), self._names(kinds(classes))
         if isinstance(content, dict) and name in content:
-            body = self.item("system", name)
-            if body is FAILED or isinstance(body, Body):
-                return body
-        self.document.problem(place, f"there is no body '{name}'{suggestion(name, self._body_names())}")
+            item = self.item("system", name)
+            if item is FAILED or isinstance(item, classes):
+                return item
+            self.document.problem(place, f"'{name}' has the type {tag_of(type(item))[1]}{suggestion(name, names)}")
+            return FAILED
+        what = "body" if classes == (Body,) else " or ".join(kinds(classes))
+        self.document.problem(place, f"there is no {what} '{name}'{suggestion(name, names)}")
         return FAILED
 
-    def _body_names(self) -> list[str]:
-        tags = {tag_of(cls)[1] for cls in SECTIONS["system"].classes() if issubclass(cls, Body)}
+    def _names(self, types: Sequence[str]) -> list[str]:
+        """Names of the items of the system of these types, whether they can be read or not."""
         content = self.document.data.get("system")
         items = content.items() if isinstance(content, dict) else ()
-        return [name for name, item in items if isinstance(item, dict) and item.get("type") in tags]
+        return [name for name, item in items if isinstance(item, dict) and item.get("type") in types]
 
     def _place(self, allowed: Options, text: str, place: Place) -> Any:
         body_name, dot, name = text.partition(".")
         if not dot:
-            self.document.problem(place, f"found '{text}'; accepted is {body_name}.marker or an edge such as {body_name}.x-")
+            self.document.problem(place, f"found '{text}'; accepted is {accepted(allowed)}")
             return FAILED
-        body = self._body(body_name, place)
+        body = self._referred((Body,), body_name, place)
         if body is FAILED:
             return FAILED
         found = place_of(body, name)
@@ -119,7 +127,8 @@ class Items:
                 place, f"'{text}' is {'a marker' if isinstance(found, Marker) else 'an edge'}; accepted is {wanted}"
             )
             return FAILED
-        points = (*markers_of(body), *(CORNERS if isinstance(body, Plate) else ())) if Marker in allowed.places else ()
+        corners = CORNERS if isinstance(body, Plate) else (ORIGIN,)
+        points = dict.fromkeys((*markers_of(body), *corners)) if Marker in allowed.places else ()
         edges = EDGES if isinstance(body, Plate) and Edge in allowed.places else ()
         known = [*points, *edges]
         self.document.problem(place, f"'{body_name}' has no marker or edge '{name}'{suggestion(name, known)}")
@@ -128,11 +137,11 @@ class Items:
 
 def markers_of(body: Body) -> dict[str, tuple[float, ...]]:
     """Named points of a body."""
-    return dict(body.markers or {}) if isinstance(body, (Plate, Ground)) else {}
+    return dict(body.markers) if isinstance(body, (Plate, Ground, RigidBody)) else {}
 
 
 def place_of(body: Body, name: str) -> Marker | Edge | None:
-    """The marker, corner or edge called ``name`` of a body; None when there is none."""
+    """The marker, corner, edge or origin called ``name`` of a body; None when there is none."""
     markers = markers_of(body)
     if name in markers:
         return Marker(body, name, markers[name])
@@ -140,4 +149,4 @@ def place_of(body: Body, name: str) -> Marker | Edge | None:
         return body.edge(name)  # type: ignore[arg-type]  # one of the four
     if isinstance(body, Plate) and name in CORNERS:
         return body.corner(name)
-    return None
+    return body.origin if isinstance(body, (Ground, RigidBody)) and name == ORIGIN else None

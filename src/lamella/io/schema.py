@@ -10,8 +10,10 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from lamella.io.annotation import Options, field_specs, options, tag_of
-from lamella.io.sections import SECTIONS, Section
+from lamella.io.reader import kinds
+from lamella.io.sections import DEFINITIONS, SECTIONS, Section
 from lamella.io.table_file import FILE, SCHEMA
+from lamella.math.profile import Constant
 from lamella.math.table import Table
 
 NAME = r"^[^\W\d][\w-]*$"
@@ -114,7 +116,7 @@ def _annotated(annotation: Any, definitions: dict[str, Any]) -> dict[str, Any]:
         choices.append({"type": "array", **({"items": parts[0]} if allowed.repeated else fixed)})
     if allowed.values is not None:
         choices.append({"type": "object", "additionalProperties": _annotated(allowed.values, definitions)})
-    if any(tag_of(cls)[0] == "kind" for cls in allowed.classes):
+    if Constant in allowed.classes:
         choices.append({"type": "number"})
     choices += [_with_units(TypeAdapter(part).json_schema(), definitions) for part in allowed.plain]
     return _one_of(choices)
@@ -126,9 +128,11 @@ def _texts(allowed: Options) -> list[dict[str, Any]]:
         texts.append(
             {"type": "string", "pattern": r"^[^\W\d][\w-]*\.[\w+-]+$", "examples": ["plate.tip", "plate.x-", "plate.x-y-"]}
         )
-    if allowed.bodies:
-        texts.append({"type": "string", "description": "name of a body"})
-    if allowed.classes:
+    if allowed.references:
+        texts.append(
+            {"type": "string", "pattern": NAME, "description": f"name of an item: {', '.join(kinds(allowed.references))}"}
+        )
+    if any(cls in SECTIONS[section].classes() for section in DEFINITIONS for cls in allowed.classes):
         texts.append({"type": "string", "description": "name of a definition"})
     return texts
 

@@ -6,8 +6,9 @@ import importlib
 import pkgutil
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, get_args
 
+import lamella
 from lamella.io.analysis import Analysis, Output
 from lamella.io.annotation import concrete
 from lamella.material.isotropic import Isotropic
@@ -15,6 +16,7 @@ from lamella.material.lamina import Lamina
 from lamella.material.laminate import Laminate
 from lamella.math.time_function import TimeFunction
 from lamella.roles import Declaration
+from lamella.system import Redundant
 
 FORMAT = 1
 """Version of the model file's form."""
@@ -51,6 +53,10 @@ SECTIONS = {
     "materials": Section("Materials, to be referred to by name.", (Lamina, Isotropic)),
     "laminates": Section("Sections of plates, to be referred to by name.", (Laminate,)),
     "profiles": Section("Functions of time, to be referred to by name.", (TimeFunction,)),
+    "redundant": Section(
+        "What to do with joint constraints that repeat others: raise an error that names them, or drop them.",
+        plain={"enum": list(get_args(Redundant)), "default": "raise"},
+    ),
     "system": Section("Bodies, joints and loads by name.", (Declaration,), required=True),
     "analysis": Section("What is computed, by name and in this order.", (Analysis,)),
     "output": Section("What is written besides the result file.", (Output,), named=False),
@@ -61,10 +67,15 @@ DEFINITIONS = ("materials", "laminates", "profiles")
 """Sections whose items are referred to by name."""
 
 
+USERS = ("cli", "examples", "io", "study", "templates", "verification", "viz")
+"""Folders that use declarations and hold none of a system."""
+
+
 @cache
 def _import_catalogue() -> None:
-    """Import every module of the folders that hold declarations, so that their classes are known."""
-    for folder in ("body", "joint", "load", "integrate"):
-        package = importlib.import_module(f"lamella.{folder}")
-        for module in pkgutil.iter_modules(package.__path__, package.__name__ + "."):
-            importlib.import_module(module.name)
+    """Import every module of the folders that may hold declarations, so that their classes are known."""
+    for folder in pkgutil.iter_modules(lamella.__path__, "lamella."):
+        if folder.ispkg and folder.name.removeprefix("lamella.") not in USERS:
+            package = importlib.import_module(folder.name)
+            for module in pkgutil.walk_packages(package.__path__, f"{folder.name}."):
+                importlib.import_module(module.name)

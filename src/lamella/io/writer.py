@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from pydantic.dataclasses import is_pydantic_dataclass
 from ruamel.yaml import YAML
 
-from lamella.body.base import Body, Marker
+from lamella.body.base import Marker
+from lamella.body.ground import Ground
 from lamella.body.plate import Edge
 from lamella.errors import DeclarationError
 from lamella.io.annotation import field_specs, options, tag_of
@@ -43,7 +44,9 @@ def dumps(
     """
     content: dict[str, Any] = {"lamella": FORMAT}
     content |= {key: text for key, text in (("title", title), ("description", description)) if text}
-    content["system"] = {item.name: _mapping(item, named=True) for item in system.declarations}
+    if system.redundant != "raise":
+        content["redundant"] = system.redundant
+    content["system"] = {item.name: _mapping(item, named=True) for item in _items(system)}
     if analyses:
         content["analysis"] = {item.name: _mapping(item, named=True) for item in analyses}
     if output is not None and (written := _mapping(output, tagged=False)):
@@ -57,13 +60,35 @@ def dumps(
     return stream.getvalue()
 
 
+def _items(system: System) -> list[Declaration]:
+    """The declarations, with every ground whose markers are used: a ground need not have been added."""
+    items = {item.name: item for item in system.declarations}
+    for item in system.declarations:
+        places = (getattr(item, name) for name in field_specs(type(item)))
+        for ground in [place.body for place in places if isinstance(place, Marker) and isinstance(place.body, Ground)]:
+            known = items.setdefault(ground.name, ground)
+            if isinstance(known, Ground):
+                items[ground.name] = _merged(known, ground)
+    return list(items.values())
+
+
+def _merged(a: Ground, b: Ground) -> Ground:
+    for name in a.markers.keys() & b.markers.keys():
+        if a.markers[name] != b.markers[name]:
+            places = f"{a.markers[name]} and {b.markers[name]}"
+            raise DeclarationError(
+                f"Ground '{a.name}'", f"marker '{name}' is at {places}", "accepted is a name of its own for each point"
+            )
+    return Ground(a.name, {**a.markers, **b.markers})
+
+
 def _plain(value: Any, annotation: Any) -> Any:
     """A value as plain data; ``annotation`` says what else could stand there."""
     if isinstance(value, Marker):
         return _marker(value)
     if isinstance(value, Edge):
         return str(value)
-    if isinstance(value, Body):
+    if isinstance(value, Declaration):
         return value.name
     if is_pydantic_dataclass(type(value)):
         return _mapping(value, tagged=options(annotation).classes != (type(value),))

@@ -11,9 +11,10 @@ from lamella import units
 from lamella.body.base import Marker
 from lamella.dofs import Build
 from lamella.errors import DeclarationError
-from lamella.joint.equations import Rows, axes_along, check_coincide
-from lamella.joint.motion_signals import Turn, angle_signals, slide_signals
+from lamella.joint.equations import Rows, axes_along, check_coincide, check_guided
+from lamella.joint.motion_signals import angle_signals, slide_signals
 from lamella.kinematics import Frame, VectorRows
+from lamella.measure.measure import Term, angle, slide
 from lamella.roles import Declaration, Floats
 
 Direction = tuple[units.Number, units.Number, units.Number]
@@ -67,17 +68,30 @@ class Joint(Declaration):
         )
         return a, b
 
+    def turns_of(self, build: Build) -> list[Term]:
+        """The joint's angle about z, as terms whose factors sum to 1."""
+        a, b = self.frames(build)
+        return [angle(a.x, b.x, a.z)]
+
+    def slide_of(self, build: Build) -> Term:
+        """The joint's displacement along z."""
+        a, b = self.frames(build)
+        return slide(b.origin - a.origin, a.z)
+
     def contribute(self, build: Build) -> None:
         """Add the rows, the reaction, and what moves."""
         refuse_same_body(self.item, self.a, self.b)
         a, b = self.frames(build)
+        rows = self.equations(a, b)
         if self.meets:
             check_coincide(self.item, build.initial, a.origin, b.origin, f"{self.a} and {self.b}", body_size(build))
-        build.hold(self.name, self.equations(a, b), b.origin, self.b.body.name, a)
+        else:
+            check_guided(self.item, build.initial, rows, body_size(build))
+        build.hold(self.name, rows, b.origin, self.b.body.name, a)
         if self.turns:
-            build.signals.extend(angle_signals(self.name, Turn(a.x, b.x, a.z)))
+            build.signals.extend(angle_signals(self.name, self.turns_of(build)[0]))
         if self.slides:
-            build.signals.extend(slide_signals(self.name, a, b))
+            build.signals.extend(slide_signals(self.name, self.slide_of(build)))
 
 
 class AxisJoint(Joint):

@@ -1,8 +1,9 @@
-"""Couplings between coordinates of markers."""
+"""Couplings between coordinates of markers, and between angles of joints."""
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import replace
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -10,10 +11,15 @@ from pydantic import Field
 from lamella import units
 from lamella.body.base import Marker
 from lamella.declaration import declaration
-from lamella.dofs import Build, LinearRow
+from lamella.dofs import Build, LinearRow, Signal
 from lamella.errors import DeclarationError
+from lamella.joint.turning import TurningJoint, angle_shares, check_added
 from lamella.kinematics import VectorRows
 from lamella.math.profile import Constant, Profile
+from lamella.measure.constraint import MeasureConstraint, MeasureRow
+from lamella.measure.force import MeasureForce
+from lamella.measure.law import SpringLaw
+from lamella.measure.measure import Measure, MeasureSet
 from lamella.roles import Declaration
 
 
@@ -64,3 +70,60 @@ class PositionCoupling(Declaration):
         constant = float(summed @ build.initial.reshape(-1)[places])
         row = LinearRow(f"the coupling '{self.name}'", places, summed, constant, self.offset)
         build.hold(self.name, [row], VectorRows.fixed(np.zeros(3)), single=True)
+
+
+@declaration
+class AngleCoupling(Declaration):
+    """Angles of joints stay in a linear relation: sum_i c_i phi_i keeps its initial value.
+
+    A closed cable loop over a pulley of radius r_i at each joint does this with c_i = +-r_i / r_1, and gears do. With a stiffness
+    the relation is elastic, as a cable loop is:
+
+        T = k (sum_i c_i phi_i - initial value) + c sum_i c_i phi_i',      torque c_i T against the angle of joint i
+
+    Without one it is a constraint whose multiplier is T.
+
+    Args:
+        name: unique name; the result holds ``<name>.torque`` T [N m].
+        joints: joints whose angles are coupled, at least two.
+        factors: one factor c_i for each joint [-].
+        stiffness: k [N m/rad]; rigid when left out.
+        damping: c [N m s/rad], only with a stiffness.
+    """
+
+    name: str
+    joints: tuple[TurningJoint, ...]
+    factors: tuple[units.Number, ...] = Field(min_length=2)
+    stiffness: Annotated[units.TorsionalStiffness, Field(gt=0)] | None = None
+    damping: units.TorsionalDamping = 0.0
+
+    def __post_init__(self) -> None:
+        if len(self.joints) != len(self.factors):
+            raise ValueError(f"{len(self.joints)} joints and {len(self.factors)} factors; accepted is one factor for each joint")
+        if 0.0 in self.factors:
+            raise ValueError(f"factors = {list(self.factors)}; accepted are factors other than zero")
+        if self.damping and self.stiffness is None:
+            raise ValueError(f"damping = {self.damping:g} without 'stiffness'; a rigid coupling has no damping")
+
+    def contribute(self, build: Build) -> None:
+        """Add the constraint or the spring, and T."""
+        terms = []
+        for joint, factor in zip(self.joints, self.factors, strict=True):
+            check_added(f"AngleCoupling '{self.name}'", build, joint)
+            terms += [replace(term, factor=factor * term.factor) for term in angle_shares(build, joint)]
+        measure: Measure = tuple(terms)
+        found = MeasureSet([measure])
+        found.evaluate(build.initial.reshape(-1))
+        initial = float(found.values[0])
+        if self.stiffness is None:
+            block = MeasureConstraint(self.name, [MeasureRow(f"the coupling '{self.name}'", measure, initial)])
+            build.constrain(block)
+            signal = Signal(f"{self.name}.torque", "N m", (), lambda s: float(s.lam[block.first]), f"torque of {self.name}")
+        else:
+            law = SpringLaw(self.stiffness, self.damping, Constant(initial), Constant(0.0))
+            spring = MeasureForce(self.name, [measure], np.ones(1), law)
+            build.forces.append(spring)
+            signal = Signal(
+                f"{self.name}.torque", "N m", (), lambda s: float(spring.answers(s.t, s.q, s.v)[0]), f"torque of {self.name}"
+            )
+        build.signals.append(signal)

@@ -1,22 +1,29 @@
-"""The distance joint: two points keep their distance, as held by a massless rod with ball ends."""
+"""Joints that fix lengths: the distance of two points, a cable over several."""
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import Annotated
+
 import numpy as np
+from pydantic import Field
 
 from lamella.body.base import Marker
 from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
 from lamella.errors import DeclarationError
-from lamella.kinematics import PointRows
-from lamella.roles import ConstraintBlock, Declaration, Floats, Ints
+from lamella.kinematics import VectorRows
+from lamella.math.profile import Profile
+from lamella.measure.constraint import MeasureConstraint, MeasureRow
+from lamella.measure.measure import length
+from lamella.roles import Declaration, Floats
 from lamella.state import State
 from lamella.units import Thickness
 
 
 @declaration
 class DistanceJoint(Declaration):
-    """Keep the distance of two markers: Phi = |r_b - r_a| - L = 0.
+    """Keep the distance of two markers, as a massless rod with ball ends does: Phi = |r_b - r_a| - L - p(t) = 0.
 
     The constraint is nonlinear and takes a Lagrange multiplier, which is the rod's axial force.
 
@@ -25,77 +32,78 @@ class DistanceJoint(Declaration):
         a: first marker (may be on the ground).
         b: second marker.
         length: distance L [m]; the initial distance when left out.
+        change: change p of the length as a function of time [m]: a linear actuator.
     """
 
     name: str
     a: Marker
     b: Marker
     length: Thickness | None = None
+    change: Profile | None = None
 
     def contribute(self, build: Build) -> None:
         """Add one nonlinear constraint and its signals."""
-        a, b = self.a.rows(build), self.b.rows(build)
-        vectors = build.initial
-        distance = float(np.linalg.norm(b.at(vectors) - a.at(vectors)))
-        if distance == 0.0:
-            raise DeclarationError(
-                f"DistanceJoint '{self.name}'", f"{self.a} and {self.b} coincide", "accepted are two distinct points"
-            )
-        block = DistanceBlock(self.name, a, b, self.length or distance)
-        build.constraints.append(block)
-        build.signals.append(
-            Signal(f"{self.name}.tension", "N", (), lambda s: float(s.lam[block.first]), f"axial force in {self.name}")
-        )
-        build.signals.append(
-            Signal(
-                f"{self.name}.force",
-                "N",
-                ("x", "y", "z"),
-                lambda s: -s.lam[block.first] * block.direction(s),
-                f"force on {self.b}",
-            )
-        )
+        d = self.b.rows(build).point - self.a.rows(build).point
+        distance = _initial_length(build, f"DistanceJoint '{self.name}'", d, f"{self.a} and {self.b}")
+        row = MeasureRow(f"the distance '{self.name}'", (length(d),), self.length or distance, self.change)
+        block = MeasureConstraint(self.name, [row])
+        build.constrain(block)
+
+        def force(state: State) -> Floats:
+            between = d.at(state.q.reshape(-1, 3))
+            return -state.lam[block.first] * between / np.linalg.norm(between)
+
+        build.signals.append(_tension(self.name, block))
+        build.signals.append(Signal(f"{self.name}.force", "N", ("x", "y", "z"), force, f"force on {self.b}"))
 
 
-class DistanceBlock(ConstraintBlock):
-    """Phi = |d| - L with d = r_b - r_a = sum_k w_k x_k + constant; Phi_q = w_k n^T with n = d / |d|."""
+@declaration
+class Cable(Declaration):
+    """A massless cable of fixed length that runs freely over several points: Phi = sum_i |r_i+1 - r_i| - L - p(t) = 0.
 
-    def __init__(self, name: str, a: PointRows, b: PointRows, length: float) -> None:
-        self.name, self.n_lam, self.length = name, 1, length
-        vectors, inverse = np.unique(np.concatenate([a.vectors, b.vectors]), return_inverse=True)
-        self.weights = np.bincount(inverse, np.concatenate([-a.position, b.position]), minlength=len(vectors))
-        self.constant = b.offset - a.offset
-        self.coords: Ints = (3 * vectors[:, None] + np.arange(3)).reshape(-1)
-        self.j_rows, self.j_cols = np.zeros(len(self.coords), dtype=np.int64), self.coords
-        self._upper = np.triu_indices(len(self.coords))
-        self.k_rows, self.k_cols = self.coords[self._upper[0]], self.coords[self._upper[1]]
+    Its tension, the Lagrange multiplier, is the same in all spans. It is a constraint both ways: where the tension turns negative
+    a real cable would go slack.
 
-    def _join(self, q: Floats) -> Floats:
-        return self.weights @ q[self.coords].reshape(-1, 3)
+    Args:
+        name: unique name; the result holds ``<name>.tension`` [N].
+        points: markers in the order in which the cable runs over them, at least two.
+        closed: whether the cable runs back from the last to the first.
+        length: length L [m]; the initial length when left out.
+        change: change p of the length as a function of time [m]: a winch.
+    """
 
-    def direction(self, state: State) -> Floats:
-        """Unit vector from a to b."""
-        d = self._join(state.q) + self.constant
-        return d / np.linalg.norm(d)
+    name: str
+    points: Annotated[tuple[Marker, ...], Field(min_length=2)]
+    closed: bool = False
+    length: Thickness | None = None
+    change: Profile | None = None
 
-    def phi(self, t: float, q: Floats, out: Floats) -> None:
-        out[0] = np.linalg.norm(self._join(q) + self.constant) - self.length
+    def contribute(self, build: Build) -> None:
+        """Add one nonlinear constraint and its tension."""
+        markers = [*self.points, self.points[0]] if self.closed else list(self.points)
+        rows = [marker.rows(build).point for marker in markers]
+        spans = [after - before for before, after in pairwise(rows)]
+        item = f"Cable '{self.name}'"
+        lengths = [
+            _initial_length(build, item, span, f"{a} and {b}") for span, (a, b) in zip(spans, pairwise(markers), strict=True)
+        ]
+        moving = tuple(length(span) for span in spans if len(span.vectors))
+        still = sum(size for size, span in zip(lengths, spans, strict=True) if not len(span.vectors))
+        if not moving:
+            raise DeclarationError(item, "none of its points can move", "accepted is a cable with a point on a body")
+        row = MeasureRow(f"the cable '{self.name}'", moving, (self.length or sum(lengths)) - still, self.change)
+        block = MeasureConstraint(self.name, [row])
+        build.constrain(block)
+        build.signals.append(_tension(self.name, block))
 
-    def jacobian(self, t: float, q: Floats, out: Floats) -> None:
-        d = self._join(q) + self.constant
-        out[:] = np.outer(self.weights, d / np.linalg.norm(d)).reshape(-1)
 
-    def curvature(self, t: float, q: Floats, lam: Floats, out: Floats) -> None:
-        d = self._join(q) + self.constant
-        distance = np.linalg.norm(d)
-        n = d / distance
-        block = lam[0] * (np.eye(3) - np.outer(n, n)) / distance
-        out[:] = np.kron(np.outer(self.weights, self.weights), block)[self._upper]
+def _tension(name: str, block: MeasureConstraint) -> Signal:
+    return Signal(f"{name}.tension", "N", (), lambda state: float(state.lam[block.first]), f"tension in {name}")
 
-    def phi_t(self, t: float, q: Floats, out: Floats) -> None:
-        out[0] = 0.0
 
-    def gamma(self, t: float, q: Floats, v: Floats, out: Floats) -> None:
-        d, rate = self._join(q) + self.constant, self._join(v)
-        distance = np.linalg.norm(d)
-        out[0] = (rate @ rate - (rate @ d / distance) ** 2) / distance
+def _initial_length(build: Build, item: str, d: VectorRows, points: str) -> float:
+    """Length of a vector in the reference configuration [m]; points that coincide have no direction."""
+    distance = float(np.linalg.norm(d.at(build.initial)))
+    if distance == 0.0:
+        raise DeclarationError(item, f"{points} coincide", "accepted are distinct points")
+    return distance

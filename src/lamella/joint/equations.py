@@ -78,3 +78,22 @@ def check_coincide(item: str, build_initial: Floats, a: VectorRows, b: VectorRow
         raise DeclarationError(
             item, f"{names} lie {gap:.3g} m apart", "accepted are points that coincide in the reference configuration"
         )
+
+
+def check_guided(item: str, build_initial: Floats, rows: Rows, size: float) -> None:
+    """Refuse a point that must lie on an axis or in a plane and does not.
+
+    Args:
+        item: the joint, for the message.
+        build_initial: all coordinate vectors in the reference configuration, shape (n_vectors, 3).
+        rows: the joint's rows; those that say that axes are perpendicular hold anyway in the reference configuration.
+        size: size of the bodies [m]; see :func:`check_coincide`.
+    """
+    for row in rows:
+        off = row.sum(build_initial) - row.constant if isinstance(row, DotRow) else 0.0
+        if abs(off) > 1e-6 * size:
+            raise DeclarationError(
+                item,
+                f"{row.label.rpartition(': ')[2]} is {off:.3g} m in the reference configuration",
+                "accepted is a marker b on the axis or in the plane",
+            )

@@ -12,8 +12,9 @@ from lamella.dofs import Build
 from lamella.errors import DeclarationError
 from lamella.joint.edge_rows import EdgePair, along_and_outward, edge_pair
 from lamella.joint.equations import Rows
-from lamella.joint.motion_signals import Turn, angle_signals
+from lamella.joint.motion_signals import angle_signals
 from lamella.math.gauss import gauss_rule
+from lamella.measure.measure import Term, angle
 from lamella.roles import Declaration
 
 
@@ -54,8 +55,8 @@ class EdgeHinge(Declaration):
         build.hold(self.name, self._rows(pair), middle.point, self.b.body.name)
         build.signals.extend(angle_signals(self.name, self.turns_at(pair, (0.5,))[0]))
 
-    def turns_of(self, build: Build) -> list[Turn]:
-        """Shares of the hinge's angle, at Gauss points along the edge or at the points of the hinge; the weights' sum is 1."""
+    def turns_of(self, build: Build) -> list[Term]:
+        """The hinge's angle at Gauss points along the edge, or at the points of the hinge, as terms whose factors sum to 1."""
         pair = edge_pair(self.item, build, self.a, self.b)
         if self.points is not None:
             return self.turns_at(pair, tuple(s / pair.length for s in self.points))
@@ -63,15 +64,15 @@ class EdgeHinge(Declaration):
         spans = list(zip(pair.nodes[:-1] / pair.length, pair.nodes[1:] / pair.length, strict=True))
         turns = self.turns_at(pair, tuple(lo + (hi - lo) * place for lo, hi in spans for place in places))
         shares = [weight * (hi - lo) for lo, hi in spans for weight in weights]
-        return [replace(turn, weight=share) for turn, share in zip(turns, shares, strict=True)]
+        return [replace(turn, factor=share) for turn, share in zip(turns, shares, strict=True)]
 
-    def turns_at(self, pair: EdgePair, places: tuple[float, ...]) -> list[Turn]:
+    def turns_at(self, pair: EdgePair, places: tuple[float, ...]) -> list[Term]:
         """What turns at relative places in [0, 1] along a's edge: outward of a into inward of b, about the edge."""
         found = []
         for place in places:
             along, out_of_a = along_and_outward(self.a, pair.on_a(place * pair.length))
             _, out_of_b = along_and_outward(self.b, pair.on_b(place * pair.length))
-            found.append(Turn(out_of_a, -out_of_b, along, 1.0 / len(places)))
+            found.append(angle(out_of_a, -out_of_b, along, 1.0 / len(places)))
         return found
 
     def _rows(self, pair: EdgePair) -> Rows:

@@ -26,7 +26,9 @@ N_GAUSS = 4
 
 @declaration
 class PointMoment(Declaration):
-    """A moment at a marker of a plate: virtual work m . delta w, with w the angular velocity of the material frame (t1, t2, n0).
+    """A moment at a marker of a plate or a rigid body, of virtual work m . delta w.
+
+    w is the angular velocity of the material frame (t1, t2, n0), on a rigid body that of the body:
 
     w = n0 x n0' + 1/2 sum_i n0.(a_i x a_i')/|a_i|^2 n0,      a_1 = r_x, a_2 = r_y
 
@@ -53,7 +55,9 @@ class PointMoment(Declaration):
         rows = self.on.rows(build)
         if not (np.any(rows.slope_x) and np.any(rows.slope_y)):
             raise DeclarationError(
-                f"PointMoment '{self.name}'", f"{self.on} has no tangents to turn", "accepted is a marker of a plate"
+                f"PointMoment '{self.name}'",
+                f"{self.on} has no tangents to turn",
+                "accepted is a marker of a plate or a rigid body",
             )
         kind = MATERIAL if self.follower else FIXED
         add_load(build, MomentBlock(self.name, [[rows]], np.ones(1), kind, self.moment, self.profile), self.profile)

@@ -132,7 +132,8 @@ class TrapezoidalSpeed(Transition):
     """Change with a trapezoidal speed: accelerate evenly, go on at constant speed, decelerate evenly.
 
     The acceleration changes linearly over the time ``ramp`` at its corners, so that it is continuous and the jerk limited.
-    Without a phase of constant speed it changes from +a to -a in one ramp about the middle. The arguments of :class:`Transition`, and
+    Without a phase of constant speed it changes from +a to -a in one ramp about the middle. Besides the arguments of
+    :class:`Transition`:
 
     Args:
         cruise: share of the duration at constant speed, 0 to 1 [-].

@@ -9,6 +9,7 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
 from lamella.errors import ConstraintError, SingularSystemError
+from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 
 MASS_ONLY = Weights(alpha_q=0.0, alpha_v=0.0, alpha_a=1.0)
@@ -34,20 +35,28 @@ def make_consistent(equations: Equations, point: Point, linear: LinearSolver) ->
     """
     before = point.u.copy()
     if equations.n_lam:
-        for _ in range(20):
+        for attempt in range(20):
             phi = equations.residual(point)[1]
             if np.abs(phi).max() < 1e-12 * equations.magnitude.max():
                 break
-            _factorise_mass(equations, point, linear)
+            try:
+                _factorise_mass(equations, point, linear)
+            except SingularSystemError as error:
+                if attempt == 0:
+                    raise
+                raise _out_of_reach(phi) from error  # what was regular at the start became singular far away from it
             point.u += linear.solve(np.zeros(equations.n_u), -phi)[0]
         else:
-            phi = equations.residual(point)[1]
-            raise ConstraintError(
-                f"no position near the initial one satisfies the constraints; they are violated by {np.abs(phi).max():.2g}"
-            )
+            raise _out_of_reach(equations.residual(point)[1])
     moved = float(np.max(np.abs(point.u - before) / equations.magnitude, initial=0.0))
     turned = solve_rates(equations, point, linear)
     return Projection(moved, turned)
+
+
+def _out_of_reach(phi: Floats) -> ConstraintError:
+    return ConstraintError(
+        f"no position near the initial one satisfies the constraints; they are violated by {np.abs(phi).max():.2g}"
+    )
 
 
 def solve_rates(equations: Equations, point: Point, linear: LinearSolver) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 from lamella.assembly.pattern import Pattern
+from lamella.errors import ModelError
 from lamella.roles import Floats
 from lamella.solve.band import BandCholesky
 from lamella.solve.base import LinearSolver
@@ -80,7 +81,10 @@ def linear_solver(pattern: Pattern, method: Method = "auto") -> LinearSolver:
     Raises:
         ValueError: an unknown method, or one that cannot take the pattern.
         MissingExtraError: ``pardiso`` without the package ``mkl``.
+        ModelError: there is nothing to solve for.
     """
+    if pattern.n == 0:
+        raise ModelError("supports and joints hold every coordinate of the system, so nothing can move; leave something free")
     if method not in get_args(Method):
         raise ValueError(f"linear solver '{method}' is not known; choose one of {', '.join(get_args(Method))}")
     if method == "superlu":

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.frame import CorotationalShellBlock, FloatingShellBlock
 from lamella.element.plate48.inertia import ShellInertia
 from lamella.element.plate48.linear import LinearShellBlock
 
-__all__ = ["STRAIN_MODELS", "LinearShellBlock", "ShellBlock", "ShellInertia"]
+__all__ = ["STRAIN_MODELS", "CorotationalShellBlock", "FloatingShellBlock", "LinearShellBlock", "ShellBlock", "ShellInertia"]
 
-STRAIN_MODELS: dict[str, type[ShellBlock] | type[LinearShellBlock]] = {"exact": ShellBlock, "linear": LinearShellBlock}
+StrainModel = type[ShellBlock] | type[LinearShellBlock] | type[FloatingShellBlock] | type[CorotationalShellBlock]
+
+STRAIN_MODELS: dict[str, StrainModel] = {
+    "exact": ShellBlock,
+    "linear": LinearShellBlock,
+    "floating": FloatingShellBlock,
+    "corotational": CorotationalShellBlock,
+}
 """Strain models by the name a plate declares; all take the same arguments."""

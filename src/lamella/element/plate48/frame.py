@@ -1,0 +1,185 @@
+"""Elastic Plate48 shells with the linear stiffness of the reference in frames that follow the motion.
+
+A group of coordinate vectors x_k has the mean gradients f_i = sum_k w_ik x_k (the means of r_x and r_y over the reference area),
+and its frame R = [d1, d2, d3] is the rotation of the polar decomposition of [f1, f2], which makes
+
+    d1 x f1 + d2 x f2 = 0
+
+In the frame's axes, with the reference X_k in those of the reference's frame,
+
+    y_k = R^T x_k - X_k,      W = 1/2 y . K0 y,      p = K0 y
+
+R depends on x. A variation of x with components dX_k in the frame's axes turns the frame by
+
+    theta = sum_k G_k dX_k,   G_k = J^-1 (w_1k [e1 x] + w_2k [e2 x]),   J = tr(U) I - U
+
+with the stretch U (bordered by zeros), and so, with tau = sum_k y_k x p_k and s = J^-1 tau,
+
+    F_k = p_k + sum_i w_ik e_i x s,      f_k = R F_k
+
+is the derivative of W. Its own derivative is R (K0 + H G + (H G)^T) R^T with
+
+    H_k = sum_l K0_kl [y_l x] - [p_k x] + sum_i w_ik (1/2 Gam_i^T S - [(e_i x s) x]),      Gam_i = J^-1 [e_i x]
+    S = sum_kl [y_k x]^T K0_kl [y_l x] - sum_k ((p_k . Y_k) I - Y_k p_k^T) + sum_i [(e_i x s) x] [(R^T f_i) x],   Y_k = R^T x_k
+
+Translations and small rotations of the reference are in the null space of K0, so the choice of the origin changes nothing but
+rounding; it moves with one node, so that a body far away is computed as well as one nearby.
+
+Source: Rankin and Brogan (1986), An element independent corotational procedure for the treatment of large rotations, for the
+idea; frame, force and tangent as above, exact for strains and rotations of any size.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.element.plate48.frame_groups import FrameGroups, body_group, element_groups
+from lamella.element.plate48.frame_kernels import turned_stiffness
+from lamella.errors import LamellaError
+from lamella.math.rotation import polar
+from lamella.roles import Floats, ForceBlock, Ints
+
+_CROSS = np.array([[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0.0]]])
+"""The matrices [e1 x], [e2 x], [e3 x]."""
+
+
+def cross_matrix(vectors: Floats) -> Floats:
+    """The matrices [v x] with [v x] u = v x u, shape (..., 3, 3), of vectors of shape (..., 3)."""
+    return (vectors @ _CROSS.reshape(3, 9)).reshape(*vectors.shape, 3)
+
+
+def axial(matrix: Floats) -> Floats:
+    """sum a x b, shape (..., 3), from the matrix sum a b^T."""
+    return np.stack([matrix[..., i, j] - matrix[..., j, i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
+
+
+@dataclass(frozen=True)
+class _Deformed:
+    """Groups in a configuration, with the symbols of the module's docstring; components in the frames' axes."""
+
+    R: Floats
+    y: Floats
+    p: Floats
+    U: Floats
+    J_inverse: Floats
+    across: Floats
+    """e_i x s, shape (n_group, 2, 3)."""
+
+
+class FrameShellBlock(ForceBlock):
+    """Elastic shell with the constant stiffness of the reference in one frame for each group of vectors.
+
+    f = dW/dx,  W = 1/2 y . K0 y with y = R^T x - X, as derived at the top of this file. Rigid motion, however large, gives no
+    force; strains must be small within a group. The tangent of a group is dense: n vectors take 9 n (n + 1) / 2 numbers.
+
+    A configuration without a frame (mean gradients that vanish or are parallel) has a force that is not a number, so that the
+    step that leads there is rejected.
+
+    Args:
+        name: name of the body, for messages.
+        groups: the groups.
+    """
+
+    def __init__(self, name: str, groups: FrameGroups) -> None:
+        self.name, self.groups = name, groups
+        n_group, n = groups.coords.shape[:2]
+        self.f_coords, self.f_scale = groups.coords.reshape(-1), np.ones(groups.coords.size)
+        k, m = np.triu_indices(n)
+        shape = (n_group, len(k), 3, 3)
+        rows = np.broadcast_to(groups.coords[:, k, :, None], shape).copy()
+        columns = np.broadcast_to(groups.coords[:, m, None, :], shape)
+        below = np.tri(3, k=-1, dtype=bool)
+        rows[:, k == m] = np.where(below, -1, rows[:, k == m])  # each pair once: blocks on the diagonal keep their upper part
+        self.k_rows, self.k_cols, self.k_scale = rows.reshape(-1), columns.reshape(-1), np.ones(rows.size)
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Elastic force dW/dx."""
+        self._write_force(self._deformed(q), f)
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        """Elastic force and alpha_q d2W/dx2."""
+        at = self._deformed(q)
+        self._write_force(at, f)
+        groups = self.groups
+        n_group, n = groups.coords.shape[:2]
+        turns = at.J_inverse[:, None] @ _CROSS[:2]  # Gam_i
+        w = groups.weights.swapaxes(1, 2)
+        G = (w @ turns.reshape(n_group, 2, 9)).reshape(n_group, n, 3, 3)
+        Y, across = groups.rest + at.y, cross_matrix(at.across)
+        y_cross = cross_matrix(at.y).reshape(n_group, 3 * n, 3)
+        bent = groups.stiffness @ y_cross
+        gradients = np.zeros((n_group, 2, 3))
+        gradients[..., :2] = at.U
+        moment = Y.swapaxes(1, 2) @ at.p
+        S = y_cross.swapaxes(1, 2) @ bent + moment + (across @ cross_matrix(gradients)).sum(axis=1)
+        S -= np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        shared = 0.5 * turns.swapaxes(-1, -2) @ S[:, None] - across
+        H = bent.reshape(n_group, n, 3, 3) - cross_matrix(at.p) + (w @ shared.reshape(n_group, 2, 9)).reshape(n_group, n, 3, 3)
+        turned_stiffness(groups.stiffness, H, G, at.R, alpha_q, k)
+
+    def energy(self, t: float, q: Floats) -> float:
+        """Strain energy [J]."""
+        at = self._deformed(q)
+        return 0.5 * float(np.vdot(at.y, at.p))
+
+    def _deformed(self, q: Floats) -> _Deformed:
+        groups = self.groups
+        x = q[groups.coords]
+        x -= groups.is_position[:, None] * x[:, groups.origin, None]
+        gradients = groups.weights @ x
+        R = _frames(gradients)
+        y = x @ R - groups.rest
+        p = (groups.stiffness @ y.reshape(len(y), -1, 1)).reshape(y.shape)
+        U = (gradients @ R)[..., :2]
+        trace = U[:, 0, 0] + U[:, 1, 1]
+        J_inverse = np.zeros_like(R)
+        # the inverse of tr(U) I - U for a symmetric 2 x 2 matrix is U / det(U)
+        J_inverse[:, :2, :2] = U / (U[:, 0, 0] * U[:, 1, 1] - U[:, 0, 1] * U[:, 1, 0])[:, None, None]
+        J_inverse[:, 2, 2] = 1.0 / trace
+        s = np.einsum("gab,gb->ga", J_inverse, axial(y.swapaxes(1, 2) @ p))
+        return _Deformed(R, y, p, U, J_inverse, np.einsum("iab,gb->gia", _CROSS[:2], s))
+
+    def _write_force(self, at: _Deformed, f: Floats) -> None:
+        F = at.p + self.groups.weights.swapaxes(1, 2) @ at.across
+        f[:] = (F @ at.R.swapaxes(1, 2)).reshape(-1)
+
+
+def _frames(gradients: Floats) -> Floats:
+    """R of each group from f1, f2, shape (n_group, 2, 3); not a number where there is none."""
+    try:
+        return polar(gradients.swapaxes(1, 2))[0]
+    except (LamellaError, np.linalg.LinAlgError):
+        return np.full((len(gradients), 3, 3), np.nan)
+
+
+class CorotationalShellBlock(FrameShellBlock):
+    """Elastic shell with the constant stiffness of the reference in one frame for each element.
+
+    Rotations are unlimited, strains and the bending of an element small: large bending converges with the mesh. The arguments
+    are those of :class:`ShellBlock`.
+
+    Raises:
+        ModelError: as :class:`ShellBlock`, or the mean gradient of an element's reference is singular.
+    """
+
+    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int = 4) -> None:
+        super().__init__(name, element_groups(name, coords, scale, reference, stiffness, n_gauss))
+
+
+class FloatingShellBlock(FrameShellBlock):
+    """Elastic shell with the constant stiffness of the reference in one floating frame for the whole body.
+
+    It is the floating frame of reference with all elastic modes of the mesh: the body moves as it likes and deforms as linear
+    theory says. Its tangent is dense, n_q (n_q + 3) / 2 numbers for n_q coordinates, and so is the matrix of the system. The
+    arguments are those of :class:`ShellBlock`.
+
+    Raises:
+        ModelError: as :class:`ShellBlock`, or the mean gradient of the body's reference is singular (a closed ring has none).
+    """
+
+    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int = 4) -> None:
+        super().__init__(name, body_group(name, coords, scale, reference, stiffness, n_gauss))

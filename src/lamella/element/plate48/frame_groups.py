@@ -1,0 +1,121 @@
+"""Groups of Plate48 elements that share a frame: their coordinates, reference, stiffness and mean gradient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.element.packing import aligned, unpacked
+from lamella.element.plate48.entries import upper_entries
+from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.shape import Plate48, gauss_points, product_order
+from lamella.element.plate48.surface import derivatives_at_points, reference_surface
+from lamella.errors import LamellaError, ModelError
+from lamella.math.rotation import polar
+from lamella.roles import Bools, Floats, Ints
+
+
+@dataclass(frozen=True)
+class FrameGroups:
+    """Groups of n coordinate vectors each; what belongs to the reference is given in the axes of its frame.
+
+    Args:
+        coords: global coordinate of each component, shape (n_group, n, 3).
+        is_position: True where a vector is a position, shape (n,).
+        origin: number of the position from which all others are measured.
+        weights: the mean gradients are f_i = sum_k weights[i, k] x_k, shape (n_group, 2, n).
+        rest: vectors of the stress-free reference, positions from the origin, in the axes of its frame, shape (n_group, n, 3).
+        stiffness: tangent K0 at the reference in the axes of its frame, shape (n_group, 3 n, 3 n).
+    """
+
+    coords: Ints
+    is_position: Bools
+    origin: int
+    weights: Floats
+    rest: Floats
+    stiffness: Floats
+
+
+def element_groups(name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int) -> FrameGroups:
+    """Each element a group. The arguments are those of :class:`ShellBlock`.
+
+    Raises:
+        ModelError: as :class:`ShellBlock`, or the mean gradient of an element's reference is singular.
+    """
+    matrices = _element_stiffness(name, coords, scale, reference, stiffness, n_gauss)
+    integrals, area = _gradient_integrals(name, scale, reference)
+    coords = np.asarray(coords, np.int64).reshape(len(coords), -1, 3)
+    return _in_frames(name, coords, _is_position(1), integrals / area[:, None, None], reference, matrices)
+
+
+def body_group(name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int) -> FrameGroups:
+    """All elements one group. The arguments are those of :class:`ShellBlock`.
+
+    Raises:
+        ModelError: as :class:`ShellBlock`, or the mean gradient of the body's reference is singular (a closed ring has none).
+    """
+    matrices = _element_stiffness(name, coords, scale, reference, stiffness, n_gauss)
+    integrals, area = _gradient_integrals(name, scale, reference)
+    coords = np.asarray(coords, np.int64).reshape(len(coords), -1, 3)
+    _, first, place = np.unique(coords[..., 0], return_index=True, return_inverse=True)
+    place, n = place.reshape(len(coords), -1), len(first)
+    weights, K0 = np.zeros((2, n)), np.zeros((n, 3, n, 3))
+    for at, integral, matrix in zip(place, integrals, matrices, strict=True):
+        weights[:, at] += integral / area.sum()
+        K0[at[:, None], :, at[None, :], :] += matrix.reshape(len(at), 3, len(at), 3).swapaxes(1, 2)
+    rest = np.asarray(reference, float).reshape(-1, 3)[first]
+    own, is_position = coords.reshape(-1, 3)[first][None], _is_position(len(coords))[first]
+    return _in_frames(name, own, is_position, weights[None], rest[None], K0.reshape(1, 3 * n, 3 * n))
+
+
+def _is_position(n_element: int) -> Bools:
+    """Whether each vector of the elements is a position, shape (16 n_element,)."""
+    spec = Plate48()
+    return np.tile(spec.is_position, len(spec.nodes) * n_element)
+
+
+def _in_frames(name: str, coords: Ints, is_position: Bools, weights: Floats, reference: Floats, matrices: Floats) -> FrameGroups:
+    """Turn the reference and its stiffness from the inertial axes into those of the reference's frames."""
+    rest = np.asarray(reference, float).reshape(coords.shape)
+    origin = int(np.argmax(is_position))
+    rest = rest - is_position[:, None] * rest[:, origin, None]
+    try:
+        R, _ = polar(np.swapaxes(weights @ rest, -1, -2))
+    except LamellaError as error:
+        raise ModelError(
+            f"{name}: the mean of r_x and r_y over the reference has no direction, so no frame can follow it; accepted are "
+            "surfaces that do not close on themselves, or the exact strain model"
+        ) from error
+    g, n = coords.shape[:2]
+    turned = np.einsum("gba,gkblc->gkalc", R, matrices.reshape(g, n, 3, n, 3))
+    turned = np.einsum("gkalb,gbc->gkalc", turned, R)
+    return FrameGroups(coords, is_position, origin, weights, rest @ R, np.ascontiguousarray(turned).reshape(g, 3 * n, 3 * n))
+
+
+def _element_stiffness(name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int) -> Floats:
+    """Exact tangent of each element at the reference in its unscaled coordinates, in element order, shape (n_element, 48, 48)."""
+    own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
+    exact = ShellBlock(name, own, scale, reference, stiffness, n_gauss)
+    f, k = aligned(exact.f_coords.size), aligned(exact.k_rows.size)
+    rest = np.ascontiguousarray(reference, float).reshape(-1)
+    exact.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, f, k)
+    values = unpacked(k * exact.k_scale, len(reference))
+    rows, columns = (product_order()[entries] for entries in upper_entries())
+    matrices = np.empty((len(reference), 48, 48))
+    matrices[:, rows, columns] = values
+    matrices[:, columns, rows] = values
+    return matrices
+
+
+def _gradient_integrals(name: str, scale: Floats, reference: Floats) -> tuple[Floats, Floats]:
+    """Integrals of r_x and r_y over the reference area as sums over the vectors, shape (n_element, 2, 16), and the area."""
+    spec = Plate48()
+    xi, eta, weights = gauss_points(4)
+    shape = spec.shape(xi, eta)
+    factors = np.asarray(scale, float)[:, ::3]
+    points = derivatives_at_points(shape, np.asarray(reference, float) * scale)
+    area = reference_surface(name, points).area * weights
+    integrals = np.einsum("eg,dgs->eds", area, shape[1:3]) * factors[:, None, :]
+    lengths = factors[:, [spec.vector_names.index("r_x"), spec.vector_names.index("r_y")]]
+    return integrals / lengths[:, :, None], area.sum(axis=1)

@@ -1,0 +1,126 @@
+"""Measures: sums of lengths, angles and slides as functions of the coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.kinematics import VectorRows
+from lamella.measure.kernels import ANGLE, LENGTH, SLIDE, evaluate
+from lamella.roles import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Term:
+    """A share of a measure: factor times a length, angle or slide of vectors.
+
+    Args:
+        kind: LENGTH, ANGLE or SLIDE of :mod:`lamella.measure.kernels`.
+        vectors: d; or u, w, t; or d, z.
+        factor: factor [-].
+        centre: an angle is taken within pi of it [rad].
+    """
+
+    kind: int
+    vectors: tuple[VectorRows, ...]
+    factor: float = 1.0
+    centre: float = 0.0
+
+
+Measure = tuple[Term, ...]
+"""A scalar of a configuration, the sum of its terms."""
+
+
+def length(d: VectorRows, factor: float = 1.0) -> Term:
+    """|d|."""
+    return Term(LENGTH, (d,), factor)
+
+
+def angle(u: VectorRows, w: VectorRows, t: VectorRows, factor: float = 1.0, centre: float = 0.0) -> Term:
+    """The angle that turns u into w about t, with u and w taken perpendicular to t; t has any length."""
+    return Term(ANGLE, (u, w, t), factor, centre)
+
+
+def slide(d: VectorRows, z: VectorRows, factor: float = 1.0) -> Term:
+    """d . z, the component of d along a unit vector z."""
+    return Term(SLIDE, (d, z), factor)
+
+
+class MeasureSet:
+    """Several measures with their arrays.
+
+    Args:
+        measures: the measures.
+    """
+
+    def __init__(self, measures: Sequence[Measure]) -> None:
+        self.n = len(measures)
+        terms = [term for measure in measures for term in measure]
+        self._first_term = np.cumsum([0, *(len(measure) for measure in measures)])
+        self._kinds = np.array([term.kind for term in terms], dtype=np.int64)
+        self._factors = np.array([term.factor for term in terms])
+        self.centres = np.array([term.centre for term in terms])
+        self._constants = np.zeros((len(terms), 3, 3))
+        vectors, weights = [], []
+        for measure, first in zip(measures, self._first_term, strict=False):
+            own = np.unique(np.concatenate([part.vectors for term in measure for part in term.vectors]))
+            vectors.append(own)
+            for number, term in enumerate(measure, start=int(first)):
+                matrix = np.zeros((3, len(own)))
+                for a, part in enumerate(term.vectors):
+                    matrix[a, np.searchsorted(own, part.vectors)] = part.weights
+                    self._constants[number, a] = part.constant
+                weights.append(matrix.reshape(-1))
+        self._first_vector = np.cumsum([0, *(len(own) for own in vectors)])
+        self._vectors: Ints = 3 * np.concatenate([np.zeros(0, np.int64), *vectors])
+        self._first_weight = np.cumsum([0, *(len(w) for w in weights)])
+        self._weights = np.concatenate([np.zeros(0), *weights])
+        self.coords: Ints = (self._vectors[:, None] + np.arange(3)).reshape(-1)
+        """Coordinates of all gradients, one measure after the other."""
+        self.counts = 3 * np.diff(self._first_vector)
+        """Coordinates of each measure."""
+        self.owner = np.repeat(np.arange(self.n), self.counts)
+        """Measure of each entry of the gradients."""
+        self.values, self.gradients = np.zeros(self.n), np.zeros(len(self.coords))
+        self.hessians = np.zeros(int(np.sum(self.counts**2)))
+        self._scratch = np.zeros((36, 9))
+        self.rows, self.cols = self._pairs()
+
+    def _pairs(self) -> tuple[Ints, Ints]:
+        """Places of the Hessians' entries among the gradients' entries."""
+        starts = np.concatenate([[0], np.cumsum(self.counts)])
+        rows = [start + np.repeat(np.arange(n), n) for start, n in zip(starts, self.counts, strict=False)]
+        cols = [start + np.tile(np.arange(n), n) for start, n in zip(starts, self.counts, strict=False)]
+        empty = np.zeros(0, dtype=np.int64)
+        return np.concatenate([empty, *rows]), np.concatenate([empty, *cols])
+
+    def evaluate(self, q: Floats, *, second: bool = False) -> None:
+        """Overwrite ``values``, ``gradients`` and, with ``second``, ``hessians`` by those at ``q`` (n_q,)."""
+        evaluate(
+            self._first_term,
+            self._kinds,
+            self._factors,
+            self.centres,
+            self._constants,
+            self._weights,
+            self._first_weight,
+            self._vectors,
+            self._first_vector,
+            q,
+            second,
+            self._scratch,
+            self.values,
+            self.gradients,
+            self.hessians,
+        )
+
+    def rates(self, v: Floats) -> Floats:
+        """Rates of the measures at the last configuration evaluated, for velocities ``v`` (n_q,)."""
+        return np.bincount(self.owner, self.gradients * v[self.coords], minlength=self.n).astype(float)
+
+    def times(self, v: Floats) -> Floats:
+        """Each Hessian times the velocities, in the order of the gradients."""
+        local = v[self.coords]
+        return np.bincount(self.rows, self.hessians * local[self.cols], minlength=len(self.coords)).astype(float)

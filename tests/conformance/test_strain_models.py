@@ -1,0 +1,146 @@
+"""Every strain model whose frame follows the motion moves plates as the exact strains do, as long as they bend little."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lamella as lm
+
+MOVING = ("floating", "corotational")
+SIZE = (0.4, 0.3)
+E, RHO = 70e9, 2700.0
+TIGHT = lm.Newton(tolerance=1e-10)  # what remains of an iteration adds up over a motion and must not hide what is compared
+ALUMINIUM = lm.Isotropic(E=E, nu=0.3, rho=RHO)
+
+
+def plate(name, strain, thickness, size=SIZE, mesh=(2, 2), **given):
+    return lm.Plate(name, size, mesh, lm.Laminate(ALUMINIUM, thickness=thickness), strain=strain, **given)
+
+
+def elastic_slope(length, thickness):
+    """Slope w L^3 / (6 D) at the end of a cantilever under its weight w = rho g h, D = E h^3 / 12."""
+    return 2 * RHO * 9.81 * length**3 / (E * thickness**2)
+
+
+def swinging(strain, thickness):
+    system = lm.System()
+    body = system.add(plate("plate", strain, thickness))
+    body.marker("end", *SIZE)
+    system.add(lm.PointSupport("pin", body.marker("held", 0.0, 0.0)))
+    system.add(lm.Gravity("gravity"))
+    return lm.simulate(system, 0.4, lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.8, newton=TIGHT))
+
+
+@pytest.mark.parametrize("strain", MOVING)
+def test_stiff_pendulum_held_at_a_corner(strain):
+    exact, small = swinging("exact", 0.01), swinging(strain, 0.01)
+    path = exact["end.position"].values
+    assert np.linalg.norm(path[-1] - path[0]) > 0.5  # it swings far: 0.5 m is the diagonal
+    # The models differ by the square of the elastic slope, which in motion is up to twice the static one.
+    length = np.hypot(*SIZE)
+    accepted = (2 * elastic_slope(length, 0.01)) ** 2 * length
+    assert np.abs(small["end.position"].values - path).max() < accepted
+    np.testing.assert_allclose(
+        small["pin.force"].values, exact["pin.force"].values, atol=1e-2 * np.abs(exact["pin.force"].values).max()
+    )
+
+
+def hinged(strain, thickness=0.01):
+    """Two plates, one behind the other, that start level and swing about a fixed edge."""
+    system = lm.System()
+    upper = system.add(plate("upper", strain, thickness))
+    lower = system.add(plate("lower", strain, thickness, position=(SIZE[0], 0.0, 0.0)))
+    lower.marker("end", SIZE[0], 0.0)
+    system.add(lm.EdgeSupport("axis", upper.edge("x-")))
+    system.add(lm.EdgeHinge("hinge", upper.edge("x+"), lower.edge("x-")))
+    system.add(lm.PointForce("pull", lower.marker("corner", *SIZE), (0.0, 2.0, 0.0)))  # not symmetric
+    system.add(lm.Gravity("gravity"))
+    return lm.simulate(system, 0.3, lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.8, newton=TIGHT))
+
+
+@pytest.mark.parametrize("strain", MOVING)
+def test_hinged_plates_swing_as_with_exact_strains(strain):
+    exact, small = hinged("exact"), hinged(strain)
+    assert np.ptp(exact["hinge.angle"].values) > 0.3
+    # as above for each plate; the second hangs on the first, and a double pendulum lets differences grow
+    accepted = 4 * (2 * elastic_slope(SIZE[0], 0.01)) ** 2 * 2 * SIZE[0]
+    assert np.abs(small["end.position"].values - exact["end.position"].values).max() < accepted
+    np.testing.assert_allclose(small["hinge.angle"].values, exact["hinge.angle"].values, atol=accepted / SIZE[0])
+
+
+def spun(strain, speed=20.0):
+    """A free plate that makes half a turn about its normal through its centre."""
+    system = lm.System()
+    velocity = (speed * SIZE[1] / 2, -speed * SIZE[0] / 2, 0.0)
+    body = system.add(plate("plate", strain, 0.004, velocity=velocity, angular_velocity=(0.0, 0.0, speed)))
+    body.marker("corner", *SIZE)
+    return lm.simulate(system, np.pi / speed, lm.GeneralizedAlpha(dt=np.pi / speed / 200, rho_inf=0.9, newton=TIGHT))
+
+
+def test_a_plate_spins_freely_in_a_moving_frame():
+    exact = spun("exact")
+    # the phase error of the integration over half a turn is (omega dt)^2 / 12 * pi, 6e-5
+    np.testing.assert_allclose(exact["corner.position"].values[-1], 0.0, atol=1e-4)
+    stretch = exact["energy.strain"].values.max()
+    for strain in MOVING:
+        small = spun(strain)
+        # 200 steps, each solved to 1e-10 of what it adds; the corner is stretched outwards by rho omega^2 L^3 / E = 2.5e-7 m
+        np.testing.assert_allclose(small["corner.position"].values, exact["corner.position"].values, atol=2e-8)
+        assert small["energy.strain"].values.max() == pytest.approx(stretch, rel=1e-4)
+    assert np.abs(spun("linear")["corner.position"].values[-1]).max() > 0.1  # a fixed frame does not let it turn
+
+
+def flying(strain):
+    """A free plate with translation, spin about no principal axis, and the velocity of its first two elastic modes."""
+    system = lm.System()
+    motion = {"velocity": (1.0, -2.0, 3.0), "angular_velocity": (2.0, 5.0, -3.0), "rotation": (0.3, 0.2, 0.1)}
+    layup = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
+    system.add(lm.Plate("plate", (1.0, 0.8), (2, 2), layup, strain=strain, **motion))
+    modes = lm.modes(system, 8)
+    model = modes.model
+    v = model.v0 + sum(modes.displaced(mode, speed) - modes.state for mode, speed in ((6, 1.0), (7, 0.5)))
+    return model, lm.state.State(0.0, model.q0.copy(), v, 0.0 * v, np.zeros(0), np.zeros(0))
+
+
+def momenta(model, state):
+    p = (model.mass @ state.v).reshape(-1, 3)
+    return p[model.is_position].sum(axis=0), np.cross(state.q.reshape(-1, 3), p).sum(axis=0)
+
+
+@pytest.mark.parametrize("strain", MOVING)
+def test_free_flight_keeps_momenta_and_energy(strain):
+    model, start = flying(strain)
+    P, H = momenta(model, start)
+    drift, energy = [], []
+    for dt in (1e-3, 5e-4):
+        integrator = lm.GeneralizedAlpha(dt=dt, rho_inf=1.0, newton=lm.Newton(tolerance=1e-11))
+        result = lm.simulate(model, 0.05, integrator, initial=start)
+        P_end, H_end = momenta(model, result.final)
+        assert np.abs(P_end - P).max() < 1e-12 * np.linalg.norm(P)
+        drift.append(np.abs(H_end - H).max() / np.linalg.norm(H))
+        energy.append(np.abs(result["energy.balance"].values).max() / result["energy.strain"].values.max())
+    # the forces have no resultant and no torque, so only the error of the integration is left, which is of second order or better
+    assert drift[1] < 1e-4
+    assert drift[0] / drift[1] > 3.5
+    assert energy[0] / energy[1] > 3.5
+
+
+def test_a_clamped_plate_hangs_and_stretches():
+    """The plate does not turn, so one frame gives linear theory; elements turn a little where the clamp holds the contraction."""
+    soft = lm.Laminate(lm.Isotropic(E=1e6, nu=0.3, rho=1000.0), thickness=0.02)
+    end = {}
+    for strain in ("exact", "linear", *MOVING):
+        system = lm.System()
+        body = system.add(lm.Plate("plate", SIZE, (3, 2), soft, rotation=(0.0, np.pi / 2, 0.0), strain=strain))
+        system.add(lm.Clamp("root", body.edge("x-")))
+        system.add(lm.Gravity("gravity"))
+        body.marker("end", SIZE[0], SIZE[1] / 2)
+        result = lm.equilibrium(system, newton=lm.Newton(tolerance=1e-12))
+        assert result["root.force"].values == pytest.approx([0.0, 0.0, 1000 * 9.81 * 0.02 * SIZE[0] * SIZE[1]], abs=1e-9)
+        end[strain] = result["end.position"].values - [0.0, SIZE[1] / 2, -SIZE[0]]
+    stretch = -end["linear"][2]
+    assert stretch == pytest.approx(1000 * 9.81 * SIZE[0] ** 2 / (2 * 1e6), rel=0.1)  # rho g L^2 / (2 E); the clamp holds a bit
+    np.testing.assert_allclose(end["floating"], end["linear"], atol=1e-9 * stretch)
+    for strain in ("exact", "corotational"):  # terms of second order, of the size of the strain
+        assert 1e-6 < np.abs(end[strain] - end["linear"]).max() / stretch < 3 * stretch / SIZE[0]
