@@ -62,18 +62,22 @@ def _ignore(text: str) -> None:
 
 def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -> None:
     table = Table("analysis", "ended", "steps", "Newton iterations", "seconds", header_style="bold")
+    notes: list[tuple[str, str]] = []
     for variant, finished in runs.items():
         for item in finished:
             label = f"{variant} {item.analysis.name}".strip()
             if isinstance(item.computed, Modes):
                 table.add_row(label, f"{len(mode_table(item.computed))} modes", "", "", "")
                 continue
+            notes += [(label, note) for note in item.computed.start.notes]
             counts = item.computed.statistics
             table.add_row(
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"
             )
     console = Console(highlight=False, soft_wrap=True)
     console.print(table)
+    for label, note in notes:
+        console.print(f"{label}: {note}", markup=False)
     console.print(f"written to {folder}:")
     for path in sorted({path for finished in runs.values() for item in finished for path in item.files} | set(files)):
         if path.is_file():

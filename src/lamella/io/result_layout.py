@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
+from lamella.result import Start
 from lamella.roles import Floats
 
 Node = Any
@@ -157,6 +158,26 @@ def append(dataset: Node, values: Floats) -> None:
 def write_outcome(root: Node, outcome: str, reached: float, target: float, detail: str) -> None:
     """Say at the root how the run ended, or that it is running."""
     root.attrs.update({"outcome": outcome, "reached": float(reached), "target": float(target), "detail": detail})
+
+
+CHANGES = ("displacement", "turn", "velocity", "spin")
+
+
+def write_start(root: Node, start: Start) -> None:
+    """Say at the root what was changed in the initial state."""
+    for name in CHANGES:
+        root.attrs[f"start_{name}"] = float(getattr(start, name))
+    root.attrs.update(plain({"start_where": "\n".join(start.where), "start_left_out": "\n".join(start.left_out)}))
+
+
+def read_start(attributes: Mapping[str, object]) -> Start:
+    """What :func:`write_start` wrote; nothing changed when it wrote nothing."""
+    if "start_where" not in attributes:
+        return Start()
+    displacement, turn, velocity, spin = (float(str(attributes[f"start_{name}"])) for name in CHANGES)
+    displaced, turned, quickened, spun = str(attributes["start_where"]).split("\n")
+    left_out = tuple(line for line in str(attributes["start_left_out"]).split("\n") if line)
+    return Start(displacement, turn, velocity, spin, (displaced, turned, quickened, spun), left_out)
 
 
 def origin() -> dict[str, str]:

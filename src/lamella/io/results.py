@@ -8,7 +8,8 @@ spreadsheet read it without this package:
     /signals/component...      names of the components, one dataset for each set of names
     /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
     /statistics/<count>        scalars
-    attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail
+    attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail,
+                               start_displacement, start_turn, start_velocity, start_spin, start_where, start_left_out
 
 The file is changed in short bursts that end with a flush, so a process killed at any other moment leaves a valid file whose
 attribute ``outcome`` still says ``running``.
@@ -26,7 +27,17 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
-from lamella.io.result_layout import append, create_file, lay_out, plain, refuse_other_file, reserve, room_for, write_outcome
+from lamella.io.result_layout import (
+    append,
+    create_file,
+    lay_out,
+    plain,
+    refuse_other_file,
+    reserve,
+    room_for,
+    write_outcome,
+    write_start,
+)
 from lamella.io.stored_result import StoredResult, read_result
 from lamella.result import Outcome, Result, Statistics
 from lamella.roles import Floats
@@ -176,6 +187,7 @@ class ResultWriter:
 
     def _write_end(self, outcome: Outcome, statistics: Statistics) -> None:
         write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
+        write_start(self._file, outcome.start)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():
             unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
-from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5
+from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5, read_start
 from lamella.result import Cause, Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
@@ -101,7 +101,7 @@ def _outcome(attributes: dict[str, object]) -> Outcome:
     numbers = float(str(reached)), float(str(target))
     if name == "running":
         return Outcome(Cause.INTERRUPTED, *numbers, "the file was not closed: the run was killed or is still going on")
-    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]))
+    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), start=read_start(attributes))
 
 
 def _statistics(group: Node) -> Statistics:

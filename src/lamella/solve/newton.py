@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Protocol
 
 import numpy as np
 from pydantic import Field
 
 from lamella._jit import njit
-from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
 from lamella.declaration import declaration
 from lamella.errors import SingularSystemError
@@ -35,9 +34,12 @@ class Newton:
     An iterate is accepted when the estimated error theta / (1 - theta) |du| is below ``tolerance`` times the change of the
     solution since the start of the iteration, with theta the observed contraction and |.| the largest entry relative to the size
     of the body (positions) or to 1 (slopes). It is a relative error of what a step adds, whatever the size of load or step.
+    Beyond that, the constraints must hold at the iterate itself to ``constraint_tolerance`` of the size of the bodies.
 
     Args:
         tolerance: relative error accepted [-].
+        constraint_tolerance: violation of a constraint accepted, relative to what a change of its coordinates by their
+            magnitudes (size of the body, 1 for slopes) adds to it [-].
         max_iterations: iterations before giving up.
         keep: contraction up to which a factorisation is used again, 0 for Newton's method proper.
         line_search: once corrections grow, halve one that the next would outgrow (natural monotonicity test).
@@ -46,10 +48,25 @@ class Newton:
     """
 
     tolerance: Positive = 1e-8
+    constraint_tolerance: Positive = 1e-11
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = 25
     keep: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
     line_search: bool = False
     extrapolate: bool = True
+
+
+class Residual(Protocol):
+    """What Newton's method asks of equations r(u, lam) = 0, Phi(u) = 0; see ``lamella.assembly.equations`` for each."""
+
+    magnitude: Floats
+
+    def residual(self, point: Point) -> tuple[Floats, Floats]: ...
+    def linearise(
+        self, point: Point, weights: Weights, previous: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats, Floats]: ...
+    def coordinates(self, point: Point) -> Floats: ...
+    def violation(self, point: Point) -> float: ...
+    def describe(self, unknown: int) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -77,7 +94,7 @@ class NewtonSolver:
         statistics: counts the work.
     """
 
-    def __init__(self, equations: Equations, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
+    def __init__(self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
         self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
         self._factored_for: Weights | None = None
         self._per_magnitude = 1.0 / equations.magnitude
@@ -127,7 +144,7 @@ class NewtonSolver:
             step = self._searched(point, weights, du, dlam) if growing else 1.0
             self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
-            if step == 1.0 and self._small_enough(size, contraction, goal):
+            if step == 1.0 and self._small_enough(size, contraction, goal) and self._holds(point, size):
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
@@ -148,6 +165,10 @@ class NewtonSolver:
         if contraction >= 1.0:
             return size < ROUNDING
         return size * contraction / (1.0 - contraction) <= goal
+
+    def _holds(self, point: Point, size: float) -> bool:
+        """Whether the constraints hold at ``point``, or the correction is too small to improve on that."""
+        return size < SMALLEST or self.equations.violation(point) <= self.options.constraint_tolerance
 
     def _evaluate(
         self, point: Point, weights: Weights, reference: Floats | None, before: Floats | None, *, fresh: bool
