@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Annotated
 
 import numpy as np
@@ -108,7 +109,7 @@ class NewtonSolver:
             fresh = self._factored_for != weights
             try:
                 r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
-                if not np.isfinite(r @ r):
+                if not isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
@@ -116,12 +117,12 @@ class NewtonSolver:
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
             size = self.size(du)
-            if not np.isfinite(size):
+            if not isfinite(size):
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
-            contraction = size / last if np.isfinite(last) else 0.5
+            contraction = size / last if isfinite(last) else 0.5
             goal = max(self.options.tolerance * self.size(point.u + du - start), SMALLEST)
-            if not fresh and np.isfinite(last) and not self._promising(size, contraction, goal):
+            if not fresh and isfinite(last) and not self._promising(size, contraction, goal):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue

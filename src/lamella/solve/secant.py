@@ -44,25 +44,30 @@ class SecantCorrections:
         """The correction du (n_u,), dlam (n_lam,), which is taken to be made before the next call."""
         g = np.concatenate([r, phi])
         if self._last is not None and self.linear.pattern.symmetric:
-            self._learn(g, *self._last)
+            self._count = _learn(g, *self._last, self._s, self._y, self._sy, self._count)
         h = _before(g, self._s, self._y, self._sy, self._count, self._shares)
         z = np.concatenate(self.linear.solve(h[: self._n_u], h[self._n_u :]))
         s = _after(z, self._s, self._y, self._sy, self._count, self._shares)
         self._last = g, s
         return s[: self._n_u], s[self._n_u :]
 
-    def _learn(self, g: Floats, g_last: Floats, s: Floats) -> None:
-        """Remember the last correction, unless it met too little stiffness; A has s.A s = -s.g there, but for older secants."""
-        y = g - g_last
-        sy, expected = float(s @ y), -float(s @ g_last)
-        if not sy * expected > LEAST_SHARE * expected**2:
-            return
-        if self._count == MEMORY:
-            for memory in (self._s, self._y, self._sy):
-                memory[:-1] = memory[1:].copy()
-            self._count -= 1
-        self._s[self._count], self._y[self._count], self._sy[self._count] = s, y, sy
-        self._count += 1
+
+@njit
+def _learn(g: Floats, g_last: Floats, s_last: Floats, s: Floats, y: Floats, sy: Floats, count: int) -> int:
+    """Remember the last correction, unless it met too little stiffness; the number of secants remembered.
+
+    The factorised matrix A, with older secants, has the stiffness s.A s = -s.g at the last residual.
+    """
+    change = g - g_last
+    product, expected = s_last @ change, -(s_last @ g_last)
+    if not product * expected > LEAST_SHARE * expected**2:
+        return count
+    if count == MEMORY:
+        count -= 1
+        for i in range(count):
+            s[i], y[i], sy[i] = s[i + 1], y[i + 1], sy[i + 1]
+    s[count], y[count], sy[count] = s_last, change, product
+    return count + 1
 
 
 @njit
