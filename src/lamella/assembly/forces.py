@@ -27,7 +27,7 @@ class ForceSum:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)
         self.buffer = np.zeros(int(ends[-1]) if blocks else 0)
         self.parts = [(block, self.buffer[end - len(block.f_coords) : end]) for block, end in zip(blocks, ends, strict=True)]
-        self._changing = [(block, part) for block, part in self.parts if len(block.k_rows) or block.depends_on_velocity]
+        self._changing = [(block, part) for block, part in self.parts if not block.depends_on_time_alone]
         self._t = np.nan
         self._in_all: Floats | None = None
         self._in_independent: Floats | None = None
