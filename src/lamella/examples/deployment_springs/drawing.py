@@ -9,6 +9,7 @@ import numpy as np
 
 from lamella.result import Result
 from lamella.roles import Floats
+from lamella.study.measures import component
 
 if TYPE_CHECKING:
     from lamella.study.study import Study
@@ -30,9 +31,7 @@ def show_all(study: Study, runs: Mapping[str, Result], momenta: Mapping[str, tup
         "hinges",
         "Angles of the hinges: cable loops keep them in step, 1 to 3 turning twice as far as 0, until the latches lock them.",
     )
-    pitch = {
-        name: (run.at, np.degrees(run.history("satellite.euler").sel(component="pitch").values)) for name, run in runs.items()
-    }
+    pitch = {name: (run.at, np.degrees(component(run, "satellite.euler", "pitch")[1])) for name, run in runs.items()}
     study.show(
         plot_curves(pitch, "Time [s]", "Angle about y [deg]", title="Attitude of the satellite"),
         "attitude",
@@ -44,11 +43,11 @@ def show_all(study: Study, runs: Mapping[str, Result], momenta: Mapping[str, tup
         "latch",
         "Torque of the latch between yoke and first panel: the shock of locking, and the vibration that follows.",
     )
-    speed = {
-        f"{kind}, {name}": (runs[name].frame_at, np.linalg.norm(part, axis=1))
-        for name, both in momenta.items()
-        for kind, part in zip(("linear [kg m/s]", "angular [kg m²/s]"), both, strict=True)
-    }
+    speed = {}
+    for name, (linear, angular) in momenta.items():
+        at = runs[name].frame_at
+        speed[f"linear [kg m/s], {name}"] = (at, np.linalg.norm(linear, axis=1))
+        speed[f"angular [kg m²/s], {name}"] = (at, np.linalg.norm(angular, axis=1))
     study.show(
         plot_curves(speed, "Time [s]", "Momentum", title="Momenta of the whole system"),
         "momentum",

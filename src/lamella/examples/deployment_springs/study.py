@@ -118,9 +118,8 @@ def attitude(runs: Runs) -> Finding:
         late = t > latched(run)
         found[name] = time_average(t[late], pitch[late]) if np.count_nonzero(late) > 2 else float(pitch[-1])
         numbers[f"angle about y after latching, mean, {name} [deg]"] = float(np.degrees(found[name]))
-        numbers[f"angle about y after latching, half range, {name} [deg]"] = (
-            float(np.degrees(np.ptp(pitch[late]) / 2)) if late.any() else 0.0
-        )
+        swing = float(np.ptp(pitch[late]) / 2) if late.any() else 0.0
+        numbers[f"angle about y after latching, half range, {name} [deg]"] = float(np.degrees(swing))
         numbers[f"largest angle about x and z, {name} [deg]"] = float(
             np.degrees(max(np.abs(component(run, "satellite.euler", axis)[1]).max() for axis in ("yaw", "roll")))
         )
@@ -156,9 +155,8 @@ def shock(runs: Runs) -> Finding:
         numbers[f"largest torque of the latch at the root, {name} [N m]"] = float(np.abs(torque).max())
         if np.count_nonzero(late) > 50:
             even = np.linspace(t[late][0], t[-1], np.count_nonzero(late))
-            numbers[f"frequency of the vibration after latching, {name} [Hz]"] = dominant_frequency(
-                even, np.interp(even, t, torque)
-            )
+            frequency = dominant_frequency(even, np.interp(even, t, torque))
+            numbers[f"frequency of the vibration after latching, {name} [Hz]"] = frequency
     flexible, rigid = (float(numbers[f"largest torque of the latch at the root, {name} [N m]"]) for name in ("flexible", "rigid"))
     numbers["latch torque, flexible over rigid"] = flexible / rigid
     return Finding(
@@ -186,6 +184,6 @@ def energy(runs: Runs) -> Finding:
         "Check of our own: the springs' energy is found again as heat and vibration.",
         worst < 0.05,
         rounded(numbers),
-        "The rest is numerical damping of what vibrates faster than the step, and the heat of the latches' first instants, which is "
-        "summed step by step.",
+        "The rest is numerical damping of what vibrates faster than the step, and the heat of the first instants of the latches, "
+        "which is summed step by step.",
     )
