@@ -12,7 +12,7 @@ PACKAGE = Path(__file__).parent.parent / "src" / "lamella"
 
 # From the lowest to the highest; a module imports from its own layer and from those below.
 LAYERS = [
-    {"errors", "units", "declaration", "roles", "kinematics", "dofs", "state", "result", "progress", "_jit", "lane"},
+    {"errors", "units", "declaration", "roles", "kinematics", "switch", "dofs", "state", "result", "progress", "_jit", "lane"},
     {"math"},
     {"material"},
     {"element", "constraint", "measure"},

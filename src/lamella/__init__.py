@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from lamella.joint.support import PointSupport as PointSupport
     from lamella.joint.support import PrescribedMotion as PrescribedMotion
     from lamella.joint.universal import UniversalJoint as UniversalJoint
+    from lamella.load.event import Event as Event
     from lamella.load.force import EdgeForce as EdgeForce
     from lamella.load.force import PointForce as PointForce
     from lamella.load.force import SurfaceForce as SurfaceForce
@@ -103,6 +104,7 @@ _HOME = {
     "joint.distance": ("Cable", "DistanceJoint"),
     "joint.drive": ("AngleDrive", "SlideDrive"),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
+    "load.event": ("Event",),
     "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),
     "load.gravity": ("Gravity",),
     "load.moment": ("EdgeMoment", "PointMoment"),

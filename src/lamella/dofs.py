@@ -11,6 +11,7 @@ import numpy as np
 from lamella.errors import ModelError
 from lamella.kinematics import Frame, VectorRows
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock, Ints
+from lamella.switch import SwitchedForce
 
 if TYPE_CHECKING:
     from lamella.state import State
@@ -32,21 +33,25 @@ class Trigger:
 
     Args:
         name: the declaration's name.
-        evaluate: the function.
+        evaluate: the function; None when it is a recorded signal less a level.
         direction: 1 for passing upwards, -1 downwards, 0 for both.
         text: what happens, for messages.
         act: called between two steps; None when the event is only noted.
         stops: whether the run ends there.
         once: whether it may happen only once in a run.
+        watch, component, level: the signal, its component and the level, when ``evaluate`` is None.
     """
 
     name: str
-    evaluate: Callable[[State], float]
+    evaluate: Callable[[State], float] | None
     direction: int
     text: str
     act: Callable[[], None] | None = None
     stops: bool = False
     once: bool = True
+    watch: str = ""
+    component: str | None = None
+    level: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -169,6 +174,7 @@ class Build:
     signals: list[Signal] = field(default_factory=list)
     bodies: dict[str, object] = field(default_factory=dict)
     triggers: list[Trigger] = field(default_factory=list)
+    latches: dict[str, Callable[[], None]] = field(default_factory=dict)
     breakpoints: list[float] = field(default_factory=list)
     frames: dict[str, Frame] = field(default_factory=dict)
     owners: list[str] = field(default_factory=list)
@@ -228,6 +234,27 @@ class Build:
         """Add a block of constraints with multipliers, and the jumps of its motions."""
         self.breakpoints.extend(block.breakpoints)
         self.constraints.append(block)
+
+    def switched(self, name: str, *, on: bool) -> Callable[[], None]:
+        """Let an event switch the force called ``name``; gives the function that does it.
+
+        Args:
+            name: name of a force or spring.
+            on: whether the event switches it on; it then does not act at the start of a run.
+        """
+        blocks = []
+        for group in (self.forces, self.loads):
+            for k, block in enumerate(group):
+                if block.name == name:
+                    if not isinstance(block, SwitchedForce):
+                        block = group[k] = SwitchedForce(block, on=not on)
+                    blocks.append(block)
+
+        def switch() -> None:
+            for block in blocks:
+                block.on = on
+
+        return switch
 
     def tie(self, rows: Sequence[LinearRow | DotRow]) -> None:
         """Add the equations by which a body holds itself together; they have no reaction that is reported."""

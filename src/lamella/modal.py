@@ -38,9 +38,16 @@ class Modes:
     state: Floats
 
     def displaced(self, mode: int, amplitude: float) -> Floats:
-        """Coordinates with mode number ``mode`` (from 0) added, its largest displacement being ``amplitude`` [m]."""
+        """Coordinates with mode number ``mode`` (from 0) added, its largest displacement being ``amplitude`` [m].
+
+        A rigid body that turns about its origin is displaced as far as its points at its reach are.
+        """
         shape = self.shapes[:, mode]
-        largest = np.linalg.norm(shape.reshape(-1, 3)[self.model.is_position], axis=1).max()
+        moved = np.linalg.norm(shape.reshape(-1, 3), axis=1)
+        largest = moved[self.model.is_position].max()
+        for body in self.model.rigid_bodies:
+            reach = self.model.magnitude[3 * body.first]
+            largest = max(largest, reach * moved[body.first + 1 : body.first + 4].max())
         return self.state + amplitude / largest * shape
 
 

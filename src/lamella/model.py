@@ -11,7 +11,7 @@ from scipy import sparse
 from lamella.body.mesh import PlateMesh
 from lamella.body.rigid_frame import RigidFrame
 from lamella.constraint.dot_block import DotBlock
-from lamella.dofs import Build, DotRow, LinearRow, Signal, Support
+from lamella.dofs import Build, DotRow, LinearRow, Signal, Support, Trigger
 from lamella.errors import ModelError
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
 
@@ -36,6 +36,7 @@ class Model:
         signals: what is recorded.
         breakpoints: times [s] at which a load or motion jumps, ascending.
         plates: compiled plates, for pictures and fields.
+        triggers: events that may happen in a run.
         rigid_bodies: compiled rigid bodies, for pictures.
         redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
         description: the system as data for result files, None when it was not given.
@@ -56,9 +57,15 @@ class Model:
     signals: tuple[Signal, ...]
     breakpoints: tuple[float, ...]
     plates: tuple[PlateMesh, ...]
+    triggers: tuple[Trigger, ...] = ()
     rigid_bodies: tuple[RigidFrame, ...] = ()
     redundant: Literal["raise", "drop"] = "raise"
     description: Any = field(default=None, compare=False)
+
+    def reset(self) -> None:
+        """Put blocks with discrete state back to that of the start of a run."""
+        for block in (*self.forces, *self.loads):
+            block.reset()
 
     @property
     def n_q(self) -> int:
@@ -107,6 +114,7 @@ class Model:
             rows=tuple(build.rows),
             dots=tuple(build.dots),
             supports=tuple(build.supports),
+            triggers=tuple(build.triggers),
             owners=tuple(build.owners),
             signals=tuple(build.signals),
             breakpoints=tuple(sorted(set(build.breakpoints))),

@@ -12,6 +12,7 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
+from lamella.integrate.events import EventWatch
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
@@ -85,6 +86,7 @@ def simulate(
         statistics.seconds_compile = time.perf_counter() - began
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
+        model.reset()
         recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
         state = equations.state(point)
         stepper.restart(point)
@@ -103,8 +105,10 @@ def simulate(
 def _judged(outcome: Outcome, equations: Equations, final: State) -> Outcome:
     """The outcome, with a word of warning when constraints that were redundant at the start are not at the end."""
     found = equations.left_out(equations.point_of(final, final.t), VIOLATED) if outcome.completed else ""
-    detail = f"left out as redundant in what was a singular position, and violated at the end: {found}"
-    return replace(outcome, detail=detail) if found else outcome
+    if not found:
+        return outcome
+    warning = f"left out as redundant in what was a singular position, and violated at the end: {found}"
+    return replace(outcome, detail=f"{outcome.detail}; {warning}" if outcome.detail else warning)
 
 
 class _March:
@@ -122,10 +126,16 @@ class _March:
     ) -> None:
         self.equations, self.stepper, self.integrator = equations, stepper, integrator
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
+        self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
 
     def run(self, t: float, state: State) -> Outcome:
         """Step to the end; whatever happens, what was recorded stays valid."""
         self.state, self.t = state, t
+        self.watch.begin(state)
+        outcome = self._run(t, state)
+        return replace(outcome, events=tuple(self.watch.happened)) if self.watch.happened else outcome
+
+    def _run(self, t: float, state: State) -> Outcome:
         stops = [s for s in self.equations.model.breakpoints if t < s < self.t_end] + [self.t_end]
         try:
             self.recorder.sample(t, state)
@@ -157,11 +167,19 @@ class _March:
                 if dt < self.integrator.dt_min:
                     return self._given_up(trial, outcome)
                 continue
+            outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
             point = self.stepper.accept()
             self.statistics.steps += 1
-            self.t = stop if count == 1 else point.t
+            self.t = stop if count == 1 and length == trial else point.t
             self.state = self.equations.state(point)
             self.recorder.sample(self.t, self.state)
+            if triggers:
+                for trigger in triggers:
+                    if trigger.act is not None:
+                        trigger.act()
+                if any(trigger.stops for trigger in triggers):
+                    return Outcome(Cause.EVENT, self.t, self.t_end, self.watch.happened[-1].text)
+                self._restart()
             if adaptive:
                 factor = self._factor(outcome.error)
                 dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)

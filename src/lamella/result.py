@@ -26,6 +26,7 @@ class Cause(enum.Enum):
     """Why a solution ended."""
 
     COMPLETED = "completed"
+    EVENT = "an event ended the run"
     NOT_CONVERGED = "Newton's iteration did not converge at the smallest step allowed"
     NOT_FINITE = "a force or coordinate is not a finite number"
     INACCURATE = "the local error exceeds its tolerance at the smallest step allowed"
@@ -70,6 +71,21 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Happening:
+    """An event that happened.
+
+    Args:
+        t: when [s].
+        name: name of the event or latch.
+        text: what happened.
+    """
+
+    t: float
+    name: str
+    text: str
+
+
+@dataclass(frozen=True)
 class Outcome:
     """How a solution ended, with its numbers.
 
@@ -78,6 +94,7 @@ class Outcome:
         reached: last time [s] or load factor solved for.
         target: time or load factor asked for.
         detail: a sentence with numbers; on completion empty, or a warning.
+        events: what happened on the way, in time order.
         start: what was changed in the initial state.
     """
 
@@ -85,11 +102,13 @@ class Outcome:
     reached: float
     target: float
     detail: str = ""
+    events: tuple[Happening, ...] = ()
     start: Start = Start()
 
     @property
     def completed(self) -> bool:
-        return self.cause is Cause.COMPLETED
+        """Whether it went as far as it should: to its end, or to an event that ends it."""
+        return self.cause in (Cause.COMPLETED, Cause.EVENT)
 
     def __str__(self) -> str:
         if self.completed:
@@ -160,7 +179,7 @@ class Recorder:
 
     def sample(self, at: float, state: State) -> None:
         """Record ``state`` at axis value ``at``."""
-        row = [np.atleast_1d(np.asarray(signal.evaluate(state), float)) for signal in self.signals]
+        row = [np.array(signal.evaluate(state), float, ndmin=1) for signal in self.signals]
         self.at.append(at)
         self.values.append(row)
         for sink in self.sinks:

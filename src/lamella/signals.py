@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.assembly.equations import Equations
+from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
 from lamella.roles import Floats
@@ -30,6 +31,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
 
     The generalised force R = C^T mu - Phi_q^T lam acts on vectors x_k; a virtual translation gives the force, the sum over
     positions of R_k, and a virtual rotation about the centre c the torque, the sum of (x_k - c) x R_k with c for positions only.
+    With P = sum_k (x_k - c) R_k^T the components of the torque are P_yz - P_zy, P_zx - P_xz, P_xy - P_yx.
     """
     model = equations.model
     places = {row: k for k, row in enumerate(equations.elimination.kept)}
@@ -44,24 +46,27 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     touched = np.concatenate([transposed.nonzero()[0], np.zeros(0, np.int64) if dots is None else dots.j_cols]) // 3
     side = np.array([support.side in (None, owner) for owner in model.owners])
     vectors = np.array([k for k in np.unique(touched) if side[k]], dtype=np.int64)
-    is_position = model.is_position[vectors]
+    coords = (3 * vectors[:, None] + np.arange(3)).reshape(-1)
+    held = SumOperator(transposed[coords])
+    is_position = model.is_position[vectors].astype(float)
     entries = np.empty(0 if dots is None else len(dots.j_cols))
 
     def on_vectors(state: State) -> Floats:
-        force = transposed @ state.mu[own]
+        force = held(state.mu[own])
         if dots is not None:
             dots.jacobian(state.t, state.q, entries)
-            force -= np.bincount(dots.j_cols, entries * state.lam[lam][dots.j_rows], minlength=model.n_q)
-        return force.reshape(-1, 3)[vectors]
+            force -= np.bincount(dots.j_cols, entries * state.lam[lam][dots.j_rows], minlength=model.n_q)[coords]
+        return force.reshape(-1, 3)
+
+    shared = OncePerState(on_vectors)
 
     def force(state: State) -> Floats:
-        return on_vectors(state)[is_position].sum(axis=0)
+        return is_position @ shared(state)
 
     def torque(state: State) -> Floats:
-        x = state.q.reshape(-1, 3)
-        a = (x[vectors] - np.outer(is_position, support.centre.at(x))).T
-        f = on_vectors(state).T
-        return np.array([a[1] @ f[2] - a[2] @ f[1], a[2] @ f[0] - a[0] @ f[2], a[0] @ f[1] - a[1] @ f[0]])
+        x, f = state.q.reshape(-1, 3), shared(state)
+        P = x[vectors].T @ f - np.outer(support.centre.at(x), is_position @ f)
+        return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
 
     on = f" on {support.side}" if support.side else ""
     signals = [
@@ -83,13 +88,30 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     ]
 
 
+class OncePerState:
+    """A function of the state that several signals share: evaluated once while they are recorded for one state.
+
+    Args:
+        evaluate: the function.
+    """
+
+    def __init__(self, evaluate: Callable[[State], Floats]) -> None:
+        self.evaluate = evaluate
+        self._last: tuple[State, Floats] | None = None
+
+    def __call__(self, state: State) -> Floats:
+        if self._last is None or self._last[0] is not state:
+            self._last = state, self.evaluate(state)
+        return self._last[1]
+
+
 class WorkMeter:
     """Work done since the first state given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
 
     For constant forces this is exact whatever the step.
 
     Args:
-        force_and_path: gives the force and the coordinates it works on.
+        force_and_path: gives the force and the coordinates it works on, in arrays that are not written again.
     """
 
     def __init__(self, force_and_path: Callable[[State], tuple[Floats, Floats]]) -> None:
@@ -101,7 +123,7 @@ class WorkMeter:
         f, x = self.force_and_path(state)
         if self._last is not None:
             self.work += 0.5 * float((f + self._last[0]) @ (x - self._last[1]))
-        self._last = (f.copy(), x.copy())
+        self._last = f, x
         return self.work
 
 
@@ -112,7 +134,8 @@ def energy_signals(equations: Equations) -> list[Signal]:
     solution; in motion what the integrator has damped (negative) or gained.
     """
     model, elimination = equations.model, equations.elimination
-    clock = np.zeros(1)
+    damped = [block for block in model.forces if block.depends_on_velocity]
+    moves = elimination.moves or equations.constraints.moves
 
     def kinetic(state: State) -> float:
         return 0.5 * float(state.v @ equations.momentum(state.v))
@@ -121,18 +144,22 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return sum(block.energy(state.t, state.q) for block in model.forces)
 
     def heat(state: State) -> tuple[Floats, Floats]:
-        power = sum(block.dissipation(state.t, state.q, state.v) for block in model.forces)
-        return np.array([power]), clock + state.t
+        power = sum(block.dissipation(state.t, state.q, state.v) for block in damped)
+        return np.array([power]), np.array([state.t])
+
+    def nothing(state: State) -> float:
+        return 0.0
 
     loads = WorkMeter(lambda s: (-s.factor * equations.loads(s.t, s.q, s.v), s.q))
     constraints = equations.constraints
-    supports = WorkMeter(
+    along_motions = WorkMeter(
         lambda s: (
             np.concatenate([s.mu, -s.lam]),
             np.concatenate([elimination.right_hand_side(s.t, s.factor), constraints.prescribed(s.t)]),
         )
     )
-    dissipated = WorkMeter(heat)
+    supports = along_motions if moves else nothing
+    dissipated = WorkMeter(heat) if damped else nothing
     last: dict[str, float] = {}
 
     def kept(name: str, evaluate: Callable[[State], float]) -> Callable[[State], float]:

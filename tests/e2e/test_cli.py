@@ -28,6 +28,22 @@ HEAVY = (
     "pyvista",
     "ruamel",
 )  # typer itself may import pydantic
+PENDULUM = """\
+lamella: 1
+title: Pendulum
+redundant: drop
+system:
+  ground: {type: ground}
+  bob: {type: rigid_body, shape: {kind: sphere, radius: 0.1}, density: 1000, position: [0.5, 0, 0], markers: {eye: [-0.5, 0, 0]}}
+  arm: {type: rigid_body, mass: 1, inertia: [0.1, 0.1, 0.1], markers: {end: [0.5, 0, 0]}}
+  pin: {type: revolute_joint, a: ground.origin, b: arm.origin, axis: [0, 1, 0]}
+  weld: {type: fixed_joint, a: arm.end, b: bob.origin}
+  second: {type: revolute_joint, a: arm.origin, b: bob.eye, axis: [0, 1, 0]}
+  weight: {type: gravity}
+analysis:
+  swing: {type: motion, t_end: 20 ms, integrator: {dt: 1 ms}}
+output: {frames: 4, signals: [pin.force, pin.torque, pin.force_local, bob.rotation]}
+"""
 COMMANDS = ("run", "new", "examples", "info", "verify", "plot", "export", "doctor", "schema")
 
 
@@ -182,6 +198,51 @@ def test_result_can_be_looked_at_plotted_and_exported(lamella, model: Path, tmp_
     missing = lamella("plot", "out", "tip.positon")
     assert missing.returncode == 2
     assert "tip.positon" in missing.stderr
+
+
+def test_multibody_template_runs_and_its_bodies_are_shown(lamella, tmp_path: Path) -> None:
+    assert lamella("new", "swing", "--template", "multibody").returncode == 0
+    done = lamella("run", "swing.yaml", "--out", "out", "--set", "analysis.swing.t_end=0.05 s", "--set", "output.frames=4")
+    assert done.returncode == 0, done.stderr
+    result = read_result(tmp_path / "out/run.h5")
+    angle = result.history("pin.angle").values
+    assert angle[0] == 0
+    assert angle[-1] > 0.001  # it swings down, right-handed about y
+    np.testing.assert_allclose(result.history("root.force").values[0] * [1, 1, 0], 0.0, atol=1e-6)  # released at rest
+    with h5py.File(tmp_path / "out/surface.vtkhdf") as file:
+        assert set(file["VTKHDF/CellData/rigid_body"][()]) == {-1, 0}
+        assert set(file["VTKHDF/CellData/plate"][()]) == {-1, 0}
+    report = (tmp_path / "out/report.html").read_text()
+    for words in ("Recorded signals", "rigid bodies", "degrees of freedom", "revolute_joint"):
+        assert words in report
+    shown = lamella("info", "out").stdout
+    assert "root.torque_local.z" in shown
+    assert "plates 1, rigid bodies 1, joints and supports 2, loads 1, coordinates 264, " in shown
+    assert "multipliers 6, degrees of freedom 217" in shown
+
+
+def test_system_without_plates_leaves_a_report_with_reactions(lamella, tmp_path: Path) -> None:
+    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    done = lamella("run", "pendulum.yaml", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "out"
+    files = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+    pictures = {"pictures/signals.png", "pictures/energy.png", "pictures/shape.png", "animation.gif", "report.html"}
+    assert files == {"run.h5", "model.yaml", "signals.csv", "surface.vtkhdf"} | pictures
+    report = (out / "report.html").read_text()
+    assert report.count("<img") == 4
+    assert "left out as redundant: weld: right angle" in report
+    assert "left out as redundant: weld: right angle" in lamella("info", "out").stdout
+    with (out / "signals.csv").open() as file:
+        heading = next(csv.reader(file))
+    assert {"pin.force_local.x [N]", "bob.rotation.zz [1]", "pin.angle [rad]"} <= set(heading)
+    for form in ("png", "gif", "html", "vtkhdf"):
+        assert lamella("export", "out", "--to", form).returncode == 0
+    bare = ["--set", "system.bob.shape=null", "--set", "system.bob.mass=1", "--set", "system.bob.inertia=[0.1, 0.1, 0.1]"]
+    done = lamella("run", "pendulum.yaml", "--out", "bare", *bare, "--set", "system.bob.density=null")
+    assert done.returncode == 0, done.stderr  # nothing to draw, and a report all the same
+    files = {path.name for path in (tmp_path / "bare").rglob("*") if path.is_file()}
+    assert files == {"run.h5", "model.yaml", "signals.csv", "signals.png", "energy.png", "report.html"}
 
 
 def test_verify_lists_runs_and_refuses_unknown_cases(lamella) -> None:

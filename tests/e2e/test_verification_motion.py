@@ -17,6 +17,14 @@ CASES = (
     "invariance",
     "p1-motion",
     "p2-motion",
+    "drive-work",
+    "four-bar",
+    "joint-order",
+    "pendulums",
+    "plate-pendulum",
+    "slider-crank",
+    "spinning-top",
+    "torque-free-spin",
 )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+import lamella as lm
 from lamella.body.mesh import PlateSample
 from lamella.dofs import Signal
 from lamella.material.lamina import Lamina
@@ -96,7 +97,10 @@ def result(plates: int = 1, frames: int = 10, scale: float = 1.0, axis: str = "t
     """A finished run of one or two swinging plates; ``frame_v`` is kept as result files do."""
     q0 = np.concatenate([flat(2.5 * k) for k in range(plates)]).reshape(-1)
     model = SimpleNamespace(
-        q0=q0, plates=tuple(QuadraticPlate(f"plate{k}", 9 * k, **strengths) for k in range(plates)), description=None
+        q0=q0,
+        plates=tuple(QuadraticPlate(f"plate{k}", 9 * k, **strengths) for k in range(plates)),
+        rigid_bodies=(),
+        description=None,
     )
     recorder = Recorder(signals(scale), axis, 0.0, 0.5, frames=frames)
     velocities = []
@@ -113,7 +117,7 @@ def result(plates: int = 1, frames: int = 10, scale: float = 1.0, axis: str = "t
 def snap_through(points: int = 12) -> Result:
     """A path whose load factor passes a limit point while the plate goes on bending."""
     q0 = flat().reshape(-1)
-    model = SimpleNamespace(q0=q0, plates=(QuadraticPlate("plate0"),), description=None)
+    model = SimpleNamespace(q0=q0, plates=(QuadraticPlate("plate0"),), rigid_bodies=(), description=None)
     factor = Signal("load_factor", "1", (), lambda s: s.factor, "factor of loads and support motions")
     recorder = Recorder((factor, *signals()), "path", 0.0, 1.0)
     for k, t in enumerate(np.linspace(0.0, 0.25, points)):
@@ -121,3 +125,16 @@ def snap_through(points: int = 12) -> Result:
         state = State(0.0, swinging(q0, t), zero, zero, none, none, factor=float(np.sin(12 * t)))
         recorder.sample(float(k), state)
     return Result(model, recorder, state, Outcome(Cause.COMPLETED, 1.0, 1.0), Statistics(steps=points))  # type: ignore[arg-type]
+
+
+def pendulum() -> Result:
+    """A box on a pin with a ball at its end and a body without shape between them, which swing; there is no plate."""
+    system, ground = lm.System(), lm.Ground()
+    arm = system.add(lm.RigidBody("arm", shape=lm.Box((1.0, 0.1, 0.2)), density=1000.0, position=(0.5, 0.0, 0.0)))
+    ball = system.add(lm.RigidBody("ball", shape=lm.Sphere(0.15), density=2000.0, position=(1.15, 0.0, 0.0)))
+    weight = system.add(lm.RigidBody("weight", mass=3.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0.0, 0.0)))
+    system.add(lm.RevoluteJoint("pin", ground.origin, arm.marker("heel", -0.5, 0.0, 0.0), axis=(0.0, 1.0, 0.0)))
+    system.add(lm.FixedJoint("weld", arm.marker("tip", 0.5, 0.0, 0.0), ball.marker("pole", -0.15, 0.0, 0.0)))
+    system.add(lm.FixedJoint("bolt", arm.origin, weight.origin))
+    system.add(lm.Gravity("weight_force"))
+    return lm.simulate(system, 0.2, lm.GeneralizedAlpha(dt=5e-3), frames=5)

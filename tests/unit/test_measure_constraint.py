@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from measure_cases import MEASURES, N, configuration, derivative, oracle, rows, second_derivative
 
+import lamella as lm
 from lamella.kinematics import VectorRows
-from lamella.math.profile import Harmonic, Polynomial, TrapezoidalSpeed
+from lamella.math.profile import Constant, Harmonic, Polynomial, TrapezoidalSpeed
 from lamella.measure.constraint import MeasureConstraint, MeasureRow
 from lamella.measure.measure import angle
 
@@ -101,3 +102,34 @@ def test_a_driven_angle_may_turn_any_number_of_times(factor):
             out = np.empty(1)
             block.phi(t, q, out)
             assert out[0] == pytest.approx(factor * error, abs=1e-12)
+
+
+def test_a_shared_angle_may_be_driven_past_half_a_turn():
+    """A hinge folded flat: its shares lie on both sides of half a turn, and their mean is what is driven."""
+    x, z = VectorRows.fixed(np.array([1.0, 0, 0])), VectorRows.fixed(np.array([0, 0, 1.0]))
+    shares = tuple(angle(x, rows([k], [1.0]), z, 0.5) for k in range(2))
+    block = MeasureConstraint("drive", [MeasureRow("the angle", shares, motion=Constant(np.pi), shared=True)])
+    q = np.array([part for phase in (np.pi + 0.1, np.pi - 0.04) for part in (np.cos(phase), np.sin(phase), 0.0)])
+    out = np.empty(1)
+    block.phi(0.0, q, out)
+    assert out[0] == pytest.approx(0.03, abs=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("by", ["angle", "speed"])
+def test_a_folded_hinge_is_driven_across_half_a_turn(by, sign):
+    """The second plate lies back over the first one, where the angle jumps from pi to -pi, and is driven either way."""
+    section = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700.0), thickness=0.01)
+    system = lm.System()
+    still = system.add(lm.Plate("still", (1.0, 0.5), (1, 1), section))
+    moving = system.add(lm.Plate("moving", (1.0, 0.5), (1, 1), section, position=(1.0, 0.0, 0.0), rotation=(0.0, -np.pi, 0.0)))
+    system.add(lm.Clamp("root", still.edge("x-")))
+    hinge = system.add(lm.EdgeHinge("hinge", still.edge("x+"), moving.edge("x-")))
+    if by == "angle":
+        drive = lm.AngleDrive("drive", hinge, angle=lm.SmoothStep(t_end=0.2, start=np.pi, end=np.pi + 0.1 * sign))
+    else:
+        drive = lm.AngleDrive("drive", hinge, speed=lm.Cycloid(t_end=0.2, end=sign))  # on the average 0.5 rad/s over 0.2 s
+    system.add(drive)
+    angle = lm.simulate(system, 0.2, lm.GeneralizedAlpha(dt=1e-2))["hinge.angle"].values
+    # the hinge's signal is the angle in its middle, the drive moves the mean along the edge: the plates bend in between
+    assert angle[-1] - angle[0] == pytest.approx(0.1 * sign, abs=1e-3)

@@ -269,7 +269,7 @@ def test_templates_are_valid(name: str) -> None:
             "system.root.type",
             "there is no type 'clmp'; did you mean 'clamp'?",
         ),
-        ("type: clamp, on: plate.x-", "on: plate.x-", "system.root", "'type' is missing; accepted are clamp, "),
+        ("type: clamp, on: plate.x-", "on: plate.x-", "system.root", "'type' is missing; accepted are angle_coupling, "),
         ("on: plate.x-", "onn: plate.x-", "system.root.onn", "clamp has no key 'onn'; did you mean 'on'?"),
         ("type: clamp, on: plate.x-", "type: clamp", "system.root", "clamp needs 'on'"),
         ("on: plate.x-", "on: plat.x-", "system.root.on", "there is no body 'plat'; did you mean 'plate'?"),

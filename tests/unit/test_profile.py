@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from dataclasses import FrozenInstanceError
 from itertools import pairwise
@@ -34,6 +35,8 @@ from lamella.math.profile import (
 from lamella.math.time_function import Integrable
 
 TIMES, VALUES = (0.0, 0.3, 0.5, 1.2), (1.0, 3.0, 2.0, 2.5)
+# Where the third derivatives of the catalogue jump: points of tables, ends, and corners of the accelerations.
+KNOTS = (*TIMES, 0.2, 0.9, 0.6, 0.8, 0.25, 0.395, 0.445, 0.655, 0.705, 0.85)
 CATALOGUE: list[TimeFunction] = [
     Constant(2.5),
     Step(3.0, at=0.4),
@@ -73,7 +76,7 @@ def test_derivatives_match_differences(profile: TimeFunction, t: float) -> None:
     # Central differences of the value err by d^2/6 times the third derivative, at most some 2000 here (sine, quintic).
     tolerance = 2000 * d**2
     assert profile.rate(t) == pytest.approx((profile.value(t + d) - profile.value(t - d)) / (2 * d), abs=tolerance)
-    if all(abs(t - knot) > 2 * d for knot in (*TIMES, 0.2, 0.9)):  # third derivatives jump there
+    if all(abs(t - knot) > 2 * d for knot in KNOTS):
         assert profile.acceleration(t) == pytest.approx((profile.rate(t + d) - profile.rate(t - d)) / (2 * d), abs=10 * tolerance)
 
 
@@ -215,6 +218,12 @@ def test_profiles_from_a_file() -> None:
         (lambda: Load(True), "profile = True; accepted is a number"),
         (lambda: Load(float("nan")), "profile = nan; .*nan is not finite"),  # type: ignore[arg-type]
         (lambda: Load({"kind": "step", "att": 1}), r"unknown argument 'profile\.step\.att'"),  # type: ignore[arg-type]
+        (
+            lambda: Integral({"kind": "rampp"}),
+            "Integral: of = .*; accepted is a number, or a profile whose kind is one of constant, step",
+        ),  # type: ignore[arg-type]
+        (lambda: Integral({"kind": "ramp"}), r"Integral: 'of\.ramp\.t_end' is missing"),  # type: ignore[arg-type]
+        (lambda: Integral(Integral(1.0)), "Integral: of = .*; accepted is a number, or a profile whose kind"),  # type: ignore[arg-type]
         (lambda: as_profile("fast"), "profile: 'fast' is not a function of time; accepted is a number or a profile"),
     ],
 )
@@ -261,6 +270,13 @@ def test_integral_matches_quadrature(profile: Integrable, t: float) -> None:
             * sum(w * profile.value(0.5 * (lo + hi) + 0.5 * (hi - lo) * x) for x, w in zip(points, weights, strict=True))
         )
     assert profile.integral(t) == pytest.approx(total if t > 0 else -total, abs=2e-7)  # jerk jumps inside: 40 points leave 1e-8
+
+
+@pytest.mark.parametrize("frequency", [1e-3, 1e-7, 1e-11])
+def test_integral_of_a_slow_wave_keeps_its_digits(frequency: float) -> None:
+    wave = Harmonic(2.0, frequency, phase=0.5)
+    middle = math.sin(math.pi * frequency * 3.0 + 0.5)  # of the interval; the wave bends by (2 pi f t)^2/24 at the most
+    assert wave.integral(3.0) == pytest.approx(6.0 * middle, rel=max(1e-14, (6.0 * math.pi * frequency) ** 2))
 
 
 def test_trapezoidal_speed_has_the_shape_it_says() -> None:

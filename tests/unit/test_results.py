@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+import stand_in
 import xarray
 
 import lamella as lm
@@ -343,3 +344,25 @@ def test_frames_of_modes_show_the_shape_about_its_state(bent: Result) -> None:
     shot = SurfaceSampler(frames, 1).at(1)[0]  # grid points are the nodes
     np.testing.assert_array_equal(shot.reference.r, bent.plate("strip", per_element=1).r)
     assert np.linalg.norm(shot.displacement, axis=-1).max() == pytest.approx(0.2, rel=1e-12)
+
+
+def test_run_of_rigid_bodies_is_written_and_read_back(tmp_path: Path) -> None:
+    done = stand_in.pendulum()
+    path = done.save(tmp_path / "pendulum.h5")
+    read = read_result(path)
+    elements = tuple(f"{i}{j}" for i in "xyz" for j in "xyz")
+    for name in ("arm.rotation", "arm.quaternion", "arm.euler", "pin.angle", "pin.force_local"):
+        np.testing.assert_array_equal(read.history(name).values, done.history(name).values)
+        assert read.signals[name].labels == done.signals[name].labels
+    assert read.signals["arm.rotation"].labels == elements
+    turn = read.history("arm.rotation").values.reshape(-1, 3, 3)
+    np.testing.assert_allclose(turn @ turn.transpose(0, 2, 1), np.broadcast_to(np.eye(3), turn.shape), atol=1e-9)
+    with xarray.open_dataset(path, engine="h5netcdf", group="signals") as signals:
+        rotation = signals["arm.rotation"]
+        assert rotation.shape == (len(done.at), 9)
+        assert tuple(rotation.coords[rotation.dims[1]].values) == elements
+    assert [body.name for body in read.model.rigid_bodies] == ["arm", "ball", "weight"]
+    assert not read.model.plates
+    np.testing.assert_array_equal(read.frame_q, done.frame_q)
+    vertices = [result.model.rigid_bodies[1].surface(result.frame_q[-1])[0] for result in (read, done)]
+    np.testing.assert_array_equal(*vertices)

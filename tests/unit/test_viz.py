@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import re
 import subprocess
+import warnings
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
@@ -16,17 +17,22 @@ import pytest
 import stand_in
 from PIL import Image
 
+import lamella as lm
+from lamella.body.shape import FACETS
 from lamella.errors import DeclarationError, MissingExtraError, ResultFileError
 from lamella.result import Cause, Outcome
 from lamella.study.findings import Finding
+from lamella.study.outputs import write_pictures
 from lamella.viz import renderer
 from lamella.viz.camera import VIEWS, fit_camera
-from lamella.viz.painter import Painter, refined
+from lamella.viz.fields import SurfaceSampler
+from lamella.viz.painter import Painter, divided, refined
 from lamella.viz.path import plot_path
 from lamella.viz.plots import observed_order, plot_comparison, plot_convergence, plot_energy, plot_signals
-from lamella.viz.renderer import ColourScale, Sheet
+from lamella.viz.renderer import Body, ColourScale, Sheet
 from lamella.viz.report import Figure, Section, Table, cell, write_report
-from lamella.viz.scene import animation, picture
+from lamella.viz.scene import _prepare, animation, picture
+from lamella.viz.solids import face_normals, sharp_edges
 from lamella.viz.style import RC, save_figure
 
 RENDERERS = [
@@ -57,6 +63,24 @@ def test_signals_have_a_row_each_with_components_and_units() -> None:
     np.testing.assert_array_equal(y, result.history("C.position")[:, 2])
     flat = figure.axes[0].get_ylim()
     assert flat[1] - flat[0] > 1e-3  # a component at rest is a straight line, not rounding errors blown up
+
+
+def test_rotation_matrix_has_three_rows_of_three() -> None:
+    figure = plot_signals(stand_in.pendulum(), ["arm.rotation", "pin.torque_local"])
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles[:9] == ["arm.rotation xx", "xy", "xz", "arm.rotation yx", "yy", "yz", "arm.rotation zx", "zy", "zz"]
+    assert titles[9:] == ["pin.torque_local x", "y", "z"]
+
+
+def test_rows_of_three_components_and_of_one_fit_below_each_other(tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # matplotlib warns where it finds no layout
+        save_figure(plot_signals(stand_in.pendulum(), ["arm.rotation", "pin.force", "pin.angle"]), tmp_path / "signals.png")
+
+
+def test_what_joints_move_is_drawn_unasked() -> None:
+    titles = [axes.get_title(loc="left") for axes in plot_signals(stand_in.pendulum()).axes]
+    assert {"pin.angle", "pin.force x", "arm.position x", "tip.position x"} <= set(titles)
 
 
 def test_a_component_can_be_named_and_a_wrong_name_lists_the_right_ones() -> None:
@@ -220,6 +244,103 @@ def test_wrong_requests_name_what_is_accepted(tmp_path: Path) -> None:
     empty.frame_at = np.empty(0)
     with pytest.raises(DeclarationError, match="no frame"):
         picture(empty, tmp_path / "x.png")
+
+
+# --- rigid bodies
+
+
+def grey(image: Any) -> Any:
+    """Where a picture shows the neutral colour of rigid bodies or their edges: grey, and not white."""
+    return (np.ptp(image, axis=-1) < 40) & (image.max(axis=-1) < 230)
+
+
+@pytest.mark.parametrize("name", RENDERERS)
+def test_rigid_bodies_are_drawn_in_grey_without_a_colour_bar(tmp_path: Path, name: Any) -> None:
+    result = stand_in.pendulum()
+    options: dict[str, Any] = {"renderer": name, "width": 800, "view": "front"}
+    start, end = (pixels(picture(result, tmp_path / f"{at}.png", at=at, **options)) for at in (0.0, 0.2))
+    assert not coloured(end).any()
+    assert start.shape == end.shape
+    columns = np.flatnonzero(grey(start)[60:].any(axis=0))  # below the caption
+    assert columns[0] < 0.05 * start.shape[1]
+    assert columns[-1] > 0.95 * start.shape[1]  # no room is kept for a bar
+    lowest = [np.flatnonzero(grey(image).any(axis=1))[-1] for image in (start, end)]
+    assert lowest[1] > lowest[0] + 20  # it has swung down
+    area = grey(start)[60:].sum() / start.shape[1] ** 2
+    span = 1.06 * 1.3  # width of the scene at the start [m], which is the widest
+    assert area == pytest.approx((0.2 + np.pi * 0.15**2) / span**2, rel=0.04)  # box and ball side by side, nothing else
+
+
+def test_both_renderers_show_bodies_alike(tmp_path: Path) -> None:
+    if not renderer.opengl_window():
+        pytest.skip("no OpenGL here")
+    names = ("pyvista", "matplotlib")
+    images = [pixels(picture(stand_in.pendulum(), tmp_path / f"{name}.png", renderer=name, width=800)) for name in names]
+    assert (grey(images[0]) ^ grey(images[1])).mean() < 0.02
+    both = grey(images[0]) & grey(images[1])
+    assert np.abs(images[0][both] - images[1][both]).mean() < 40  # of 255; their lights differ
+
+
+def test_bodies_without_shape_draw_nothing(tmp_path: Path) -> None:
+    system = lm.System()
+    system.add(lm.RigidBody("hub", mass=1.0, inertia=(1.0, 1.0, 1.0), markers={"tip": (1.0, 0.0, 0.0)}))
+    result = lm.simulate(system, 0.01, lm.GeneralizedAlpha(dt=5e-3))
+    for draw in (picture, animation):
+        with pytest.raises(DeclarationError, match="the model has nothing to draw; accepted is one with a plate, or a body with"):
+            draw(result, tmp_path / "x.gif", renderer="matplotlib")
+    assert {path.name for path in write_pictures(result, tmp_path / "pictures")} == {"signals.png", "energy.png"}
+
+
+def test_animation_of_rigid_bodies_moves(tmp_path: Path) -> None:
+    film = Image.open(animation(stand_in.pendulum(), tmp_path / "swing.gif", renderer="matplotlib", width=300, frames=3))
+    shots = []
+    for number in range(3):
+        film.seek(number)
+        shots.append(np.asarray(film.convert("RGB")).astype(int))
+    assert all(np.abs(a - b).mean() > 1.0 for a, b in pairwise(shots))
+
+
+def test_painter_sorts_bodies_and_plates_by_depth() -> None:
+    x, y = np.meshgrid([-1.0, 1.0], [-1.0, 1.0])
+    vertices, faces = lm.Box((1.0, 1.0, 1.0)).surface()
+    box = Body(vertices, faces, sharp_edges(vertices, faces))
+    camera = fit_camera(np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]), "top")
+    painter = Painter(camera, ColourScale("viridis", 0.0, 1.0), (60, 60))
+    for z, in_front in ((0.8, True), (-0.8, False)):
+        sheet = Sheet(np.stack([x, y, z + 0 * x], -1), np.ones((2, 2)), [], np.zeros((2, 3)))
+        image = painter.draw([sheet], [box]).astype(int)
+        assert coloured(image)[25, 25] == in_front  # beside the middle, where no edge runs
+        assert coloured(image)[5, 5]
+
+
+@pytest.mark.parametrize(
+    ("shape", "edges"), [(lm.Box((1.0, 2.0, 3.0)), 12), (lm.Cylinder(1.0, 0.5), 2 * FACETS), (lm.Sphere(2.0), 0)]
+)
+def test_sharp_edges_of_solids(shape: Any, edges: int) -> None:
+    points, faces = shape.surface()
+    found = sharp_edges(points, faces)
+    assert len(found) == edges
+    if edges == 2 * FACETS:  # the rims, not the facets
+        np.testing.assert_allclose(np.abs(points[found][..., 2]), 0.25)
+    assert np.all(np.sum(face_normals(points[faces]) * points[faces].mean(axis=1), axis=1) > 0)  # outward
+
+
+def test_divided_face_keeps_its_corners_and_area() -> None:
+    quad = np.array([[0.0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]])
+    cells = divided(quad, 0.3)
+    assert cells.shape == (7 * 4, 4, 3)
+    area = 0.5 * np.linalg.norm(np.cross(cells[:, 2] - cells[:, 0], cells[:, 3] - cells[:, 1]), axis=1)
+    np.testing.assert_allclose(area.sum(), 2.0)
+    np.testing.assert_array_equal([cells[0, 0], cells[-1, 2]], [quad[0], quad[2]])
+
+
+def test_plates_of_one_picture_share_a_colour_scale() -> None:
+    result = stand_in.result(4)
+    frame = 5
+    lengths = [np.linalg.norm(shot.displacement, axis=-1).max() for shot in SurfaceSampler(result, 2).at(frame)]
+    assert max(lengths) > 1.5 * min(lengths)  # the stand-ins bend the more the farther they are
+    drawing = _prepare(result, "displacement", 1.0, 4, "isometric", [frame])
+    assert (drawing.colours.low, drawing.colours.high) == (0.0, pytest.approx(max(lengths)))
 
 
 # --- choosing a renderer

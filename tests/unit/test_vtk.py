@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import stand_in
 
+import lamella as lm
+from lamella.body.shape import FACETS
 from lamella.errors import ResultFileError
 from lamella.io.vtk import quadrilaterals, write_vtkhdf
 from lamella.viz.fields import FIELDS, SurfaceSampler
@@ -119,9 +121,53 @@ def test_messages_for_files_that_cannot_be_written(tmp_path: Path) -> None:
         write_vtkhdf(stand_in.result(), tmp_path / "notes.txt")
     empty = stand_in.result()
     empty.frame_at = np.empty(0)
-    with pytest.raises(ResultFileError, match="no frame of a plate"):
+    with pytest.raises(ResultFileError, match="no frame of a plate or of a body with a shape"):
         write_vtkhdf(empty, tmp_path / "run.vtkhdf")
 
 
 def test_quadrilaterals_of_a_small_grid() -> None:
     np.testing.assert_array_equal(quadrilaterals(2, 3), [[0, 1, 4, 3], [1, 2, 5, 4]])
+
+
+@pytest.mark.parametrize("plates", [0, 2])
+def test_rigid_bodies_stand_beside_plates(tmp_path: Path, plates: int) -> None:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    swing = stand_in.pendulum()
+    sheets = stand_in.result(plates or 1, frames=len(swing.frame_at) - 1, **stand_in.STRONG)
+    if plates:  # one result with the bodies of both
+        n = len(swing.model.q0) // 3
+        for sheet in sheets.model.plates:
+            sheet.first += n  # type: ignore[misc]
+        sheets.model.rigid_bodies, sheets.model.q0 = swing.model.rigid_bodies, np.append(swing.model.q0, sheets.model.q0)  # type: ignore[misc]
+        sheets.frame_q = np.hstack([swing.frame_q, sheets.frame_q])
+        sheets.frame_v = np.hstack([swing.frame_v, sheets.frame_v])
+    result = sheets if plates else swing
+    reader = Reader(write_vtkhdf(result, tmp_path / "run.vtkhdf", per_element=2))
+    arm, ball = swing.model.rigid_bodies[:2]
+    for frame in (0, 3):
+        grid, arrays = reader.step(frame)
+        expected = [body.surface(swing.frame_q[frame])[0] for body in (arm, ball)]
+        points = vtk_to_numpy(grid.GetPoints().GetData())[-sum(map(len, expected)) :]
+        np.testing.assert_array_equal(points, np.concatenate(expected).astype(np.float32))
+        moved = np.concatenate([new - body.surface(swing.model.q0)[0] for new, body in zip(expected, (arm, ball), strict=True)])
+        np.testing.assert_array_equal(arrays["displacement"][-len(points) :], moved.astype(np.float32))
+        assert np.isnan(arrays["von_mises"][-len(points) :]).all()
+        assert np.isfinite(arrays["von_mises"][: -len(points)]).all()
+    around = [arm.surface(swing.frame_q[k])[0] for k in (2, 4)]
+    speed = (around[1] - around[0]) / (swing.frame_at[4] - swing.frame_at[2])  # second order: it falls almost evenly
+    first = len(arrays["velocity"]) - len(points)
+    np.testing.assert_allclose(arrays["velocity"][first : first + 8], speed, atol=0.01 * np.abs(speed).max())
+    owner = {name: vtk_to_numpy(grid.GetCellData().GetArray(name)) for name in ("plate", "rigid_body")}
+    assert np.all((owner["plate"] >= 0) ^ (owner["rigid_body"] >= 0))
+    assert (owner["rigid_body"] == 0).sum() == 6  # the faces of a box
+    assert set(owner["rigid_body"]) == {0, 1} | ({-1} if plates else set())
+
+
+def test_triangles_are_written_as_such(tmp_path: Path) -> None:
+    system = lm.System()
+    system.add(lm.RigidBody("drum", shape=lm.Cylinder(0.5, 1.0), density=1.0, velocity=(1.0, 0.0, 0.0)))
+    result = lm.simulate(system, 0.01, lm.GeneralizedAlpha(dt=5e-3))
+    grid, _ = Reader(write_vtkhdf(result, tmp_path / "run.vtkhdf")).step(1)
+    sizes = [grid.GetCell(k).GetNumberOfPoints() for k in range(grid.GetNumberOfCells())]
+    assert (sizes.count(4), sizes.count(3)) == (FACETS, 2 * FACETS)

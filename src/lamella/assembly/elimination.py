@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
+from lamella.assembly.operator import SumOperator
 from lamella.dofs import LinearRow
 from lamella.errors import ConstraintError
 from lamella.roles import Floats, Ints
@@ -40,7 +41,7 @@ class Elimination:
         self.independent, self.T, self.G, self.C, self.kept, self.rows = independent, T, G, C, kept, rows
         self._constant = np.array([row.constant for row in rows])
         self._moving = [(k, row.motion) for k, row in enumerate(rows) if row.motion is not None]
-        self._gram = linalg.splu(sparse.csc_array(C @ C.T)) if rows else None
+        self._gram, self._row_sum = linalg.splu(sparse.csc_array(C @ C.T)) if rows else None, SumOperator(C)
 
     @property
     def moves(self) -> bool:
@@ -61,7 +62,7 @@ class Elimination:
 
     def row_forces(self, reaction: Floats) -> Floats:
         """Force of each row from the generalised reaction R = C^T mu (n_q,): mu solves C C^T mu = C R exactly."""
-        return self._gram.solve(self.C @ reaction) if self._gram else np.zeros(0)
+        return self._gram.solve(self._row_sum(reaction)) if self._gram else np.zeros(0)
 
     def _motion(self, t: float, derivative: str) -> Floats:
         values = np.zeros(len(self.rows))

@@ -12,7 +12,7 @@ from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.operator import SumOperator, VectorOperator
+from lamella.assembly.operator import SumOperator, mass_operator
 from lamella.assembly.point import Point, Weights
 from lamella.errors import ConstraintError
 from lamella.model import Model
@@ -34,7 +34,8 @@ class Equations:
         self.elimination = eliminate(model.rows, model.n_q)
         self.n_u = len(self.elimination.independent)
         self.magnitude = model.magnitude[self.elimination.independent]
-        self.forces, self.loads = ForceSum(model.forces, model.n_q), ForceSum(model.loads, model.n_q)
+        T = self.elimination.T
+        self.forces, self.loads = ForceSum(model.forces, model.n_q, T), ForceSum(model.loads, model.n_q, T)
         self.constraints = ConstraintStack(model.constraints)
         self.notes: list[str] = []
         """What the user should know about the equations."""
@@ -43,8 +44,9 @@ class Equations:
         blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
-        self.expand, self._gather = SumOperator(self.elimination.T), SumOperator(self.elimination.T.T)
-        self._source, self._mass = SumOperator(self.elimination.G), VectorOperator(model.mass)
+        self.expand, self._gather = SumOperator(T), SumOperator(sparse.csr_array(T.T))
+        self._source, self._mass = SumOperator(self.elimination.G), mass_operator(model.mass)
+        self._inertia = mass_operator(sparse.csr_array(T.T @ model.mass @ T))
         self._at_rest = np.zeros(model.n_q)
         self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
         self._row_size = np.zeros(0)
@@ -126,7 +128,9 @@ class Equations:
     def residual(self, point: Point) -> tuple[Floats, Floats]:
         """r (n_u,) and Phi (n_lam,)."""
         q, v = self.coordinates(point), self._force_velocities(point)
-        return self._reduce(point, q, self.forces(point.t, q, v), self.loads(point.t, q, v))
+        self.forces.evaluate(point.t, q, v)
+        self.loads.evaluate(point.t, q, v)
+        return self._reduced(point, q)
 
     def linearise(self, point: Point, weights: Weights, previous: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats]:
         """r, Phi and the values of the matrix alpha_q K + alpha_v D + alpha_a M and of Phi_q T, in the pattern's order.
@@ -138,7 +142,7 @@ class Equations:
         """
         q, v = self.coordinates(point), self._force_velocities(point)
         k, j = self.matrix.values(self.forces, self.loads, point, q, v, weights, q if previous is None else previous)
-        r, phi = self._reduce(point, q, self.forces.summed(), self.loads.summed())
+        r, phi = self._reduced(point, q)
         return r, phi, k, j
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
@@ -197,7 +201,7 @@ class Equations:
 
     def inertia_force(self, udd: Floats) -> Floats:
         """T^T M T udd, shape (n_u,)."""
-        return self._gather(self._mass(self.expand(udd)))
+        return self._inertia(udd)
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
@@ -215,18 +219,29 @@ class Equations:
         return f"the multiplier of {self.constraints.labels[self.constraints.kept[unknown - self.n_u]]}"
 
     def state(self, point: Point) -> State:
-        """All coordinates, velocities, accelerations and the reactions of the eliminated constraints."""
+        """All coordinates, velocities, accelerations and the reactions of the eliminated constraints.
+
+        The reaction is M a + f + Phi_q^T lam in all coordinates, which vanishes but for the eliminated constraints.
+        """
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
-        total = self._total(point, q, self.forces(point.t, q, v), self.loads(point.t, q, v))
-        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), self.elimination.row_forces(total), point.factor)
-
-    def _reduce(self, point: Point, q: Floats, f: Floats, f_load: Floats) -> tuple[Floats, Floats]:
-        return self._gather(self._total(point, q, f, f_load)), self.constraints.phi(point.t, q)
-
-    def _total(self, point: Point, q: Floats, f: Floats, f_load: Floats) -> Floats:
-        """M a + f + Phi_q^T lam in all coordinates; zero but for the reactions when the equations hold."""
-        total = f + point.factor * f_load
+        reaction = self.forces(point.t, q, v) + point.factor * self.loads(point.t, q, v)
         if not point.at_rest:
-            total += self._mass(self.accelerations(point))
-        self.constraints.add_force(point.t, q, point.lam, total)
-        return total
+            reaction += self._mass(a)
+        self.constraints.add_force(point.t, q, point.lam, reaction)
+        mu = self.elimination.row_forces(reaction)
+        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), mu, point.factor)
+
+    def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
+        """r and Phi with the forces that the buffers hold now."""
+        r = self.forces.reduced()
+        if self.loads.parts:
+            r += point.factor * self.loads.reduced()
+        if not point.at_rest:
+            r += self._inertia(point.udd)
+            if self._held is None:
+                r += self._gather(self._mass(self._source(self.elimination.accelerations(point.t))))
+        if self.n_lam:
+            force = np.zeros(self.model.n_q)
+            self.constraints.add_force(point.t, q, point.lam, force)
+            r += self._gather(force)
+        return r, self.constraints.phi(point.t, q)

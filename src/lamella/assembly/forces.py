@@ -1,38 +1,69 @@
-"""The sum of all force blocks in all coordinates."""
+"""The sum of all force blocks, in all coordinates or in the independent ones."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import sparse
 
 from lamella.assembly.operator import SumOperator
+from lamella.assembly.point import Weights
 from lamella.roles import Floats, ForceBlock
 
 
 class ForceSum:
     """f(t, q, v) of some blocks: each writes a part of one buffer, which is summed at once.
 
+    Blocks that depend on time alone are evaluated once for each time.
+
     Args:
         blocks: the blocks.
         n_q: number of coordinates.
+        T: map from independent to all coordinates, (n_q, n_u); the identity when left out.
     """
 
-    def __init__(self, blocks: Sequence[ForceBlock], n_q: int) -> None:
+    def __init__(self, blocks: Sequence[ForceBlock], n_q: int, T: sparse.csr_array | None = None) -> None:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)
         self.buffer = np.zeros(int(ends[-1]) if blocks else 0)
         self.parts = [(block, self.buffer[end - len(block.f_coords) : end]) for block, end in zip(blocks, ends, strict=True)]
+        self._changing = [(block, part) for block, part in self.parts if len(block.k_rows) or block.depends_on_velocity]
+        self._t = np.nan
         coords = np.concatenate([np.zeros(0, np.int64), *(block.f_coords for block in blocks)])
         factors = np.concatenate([np.zeros(0), *(block.f_scale for block in blocks)])
         used = np.flatnonzero(coords >= 0)
-        self._sum = SumOperator.of(coords[used], used, factors[used], n_q, len(self.buffer))
+        entries = sparse.coo_array((factors[used], (coords[used], used)), shape=(n_q, len(self.buffer)))
+        self._sum = SumOperator(entries)
+        self._reduce = self._sum if T is None else SumOperator(T.T @ entries.tocsr())
+
+    def evaluate(self, t: float, q: Floats, v: Floats) -> None:
+        """Let all blocks write their parts of the buffer."""
+        for block, part in self._changing if t == self._t else self.parts:
+            block.force(t, q, v, part)
+        self._t = t
+
+    def linearise(self, t: float, q: Floats, v: Floats, weights: Weights, previous: Floats, tangents: Sequence[Floats]) -> None:
+        """Let all blocks write their parts of the buffer, and alpha_q K + alpha_v D to their buffers in ``tangents``.
+
+        Args:
+            t, q, v: where.
+            weights: how the unknown moves coordinates and velocities.
+            previous: coordinates of Newton's previous iterate; see :class:`lamella.roles.ForceBlock`.
+            tangents: a buffer for each block.
+        """
+        for (block, part), k in zip(self.parts, tangents, strict=True):
+            block.force_tangent(t, q, v, weights.alpha_q, weights.alpha_v, previous, part, k)
+        self._t = t
 
     def __call__(self, t: float, q: Floats, v: Floats) -> Floats:
         """Evaluate all blocks, shape (n_q,)."""
-        for block, part in self.parts:
-            block.force(t, q, v, part)
+        self.evaluate(t, q, v)
         return self.summed()
 
     def summed(self) -> Floats:
         """The sum of what the buffer holds now, shape (n_q,)."""
         return self._sum(self.buffer)
+
+    def reduced(self) -> Floats:
+        """T^T times the sum of what the buffer holds now, shape (n_u,)."""
+        return self._reduce(self.buffer)

@@ -110,17 +110,15 @@ class MatrixAssembly:
             weights: how the unknown moves coordinates, velocities and accelerations.
             previous: coordinates of Newton's previous iterate.
         """
-        parts = iter(self.parts)
-        for block, f in forces.parts:
-            block.force_tangent(point.t, q, v, weights.alpha_q, weights.alpha_v, previous, f, next(parts))
-        for block, f in loads.parts:
-            k = next(parts)
-            block.force_tangent(point.t, q, v, weights.alpha_q, weights.alpha_v, previous, f, k)
-            if point.factor != 1.0:
+        n_forces = len(forces.parts)
+        n_blocks = n_forces + len(loads.parts)
+        forces.linearise(point.t, q, v, weights, previous, self.parts[:n_forces])
+        loads.linearise(point.t, q, v, weights, previous, self.parts[n_forces:n_blocks])
+        if point.factor != 1.0:
+            for k in self.parts[n_forces:n_blocks]:
                 k *= point.factor
         lam = self.constraints.full(point.lam)
-        for block in self.model.constraints:
-            k = next(parts)
+        for block, k in zip(self.model.constraints, self.parts[n_blocks:], strict=True):
             block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
             k *= weights.alpha_q
         data = self._sum.into(self.buffer, self._values)

@@ -81,13 +81,10 @@ class VectorOperator:
     """y = (E x I3) x for vectors stacked in one array: the same sums for each component, with a third of the look-ups.
 
     Args:
-        matrix: sparse (3 n, 3 n), the Kronecker product of a matrix (n, n) and the identity of order three, as every mass
-            matrix of vector coordinates is.
+        scalar: E, sparse (n, n).
     """
 
-    def __init__(self, matrix: sparse.csr_array) -> None:
-        scalar = sparse.csr_array(matrix[::3, ::3])
-        assert abs(matrix - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max()
+    def __init__(self, scalar: sparse.csr_array) -> None:
         self.starts: Indices = scalar.indptr.astype(np.int32)
         self.sources: Indices = (3 * scalar.indices).astype(np.int32)
         self.factors = scalar.data.astype(float)
@@ -97,6 +94,18 @@ class VectorOperator:
         out = np.empty(3 * (len(self.starts) - 1))
         _sum_vectors(self.starts, self.sources, self.factors, x, out)
         return out
+
+
+def mass_operator(matrix: sparse.csr_array) -> SumOperator | VectorOperator:
+    """The faster operator of a mass matrix (n, n): by vectors where it treats the three components of each alike.
+
+    In all coordinates it does; in the independent ones as long as supports hold whole vectors.
+    """
+    if (len(matrix.indptr) - 1) % 3 == 0:
+        scalar = sparse.csr_array(matrix[::3, ::3])
+        if abs(matrix - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max():
+            return VectorOperator(scalar)
+    return SumOperator(matrix)
 
 
 @njit

@@ -62,7 +62,8 @@ class Plate(Body):
         rotation: rotation vector that turns the plate's axes from the inertial ones [rad].
         velocity: initial velocity of the point x = y = 0 [m/s].
         angular_velocity: initial angular velocity in the inertial frame [rad/s].
-        strain: ``exact`` (Kirchhoff-Love, large displacements), a small-deformation comparator on the same mesh, or ``rigid``: a
+        strain: ``exact`` (Kirchhoff-Love, large displacements); a small-deformation comparator on the same mesh, linear in a
+            frame that is fixed (``linear``), follows the plate (``floating``) or each element (``corotational``); or ``rigid``: a
             panel of the same geometry and mass that keeps its shape.
         n_gauss: Gauss points in each direction of an element.
         damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt); rigid rotation is not damped.

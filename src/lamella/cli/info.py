@@ -7,21 +7,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
 from lamella.errors import ModelFileError
 from lamella.io.analysis import Analysis
 from lamella.io.annotation import tag_of
 from lamella.io.model_file import ModelFile, loads, read_model
 from lamella.study.folder import result_path
+from lamella.study.size import size_of
 
 if TYPE_CHECKING:
     from lamella.result import Result
 
 
+WIDE = 120
+"""Letters in a line of what goes to a file or a pipe, which has no width of its own."""
+
+
 def info_command(path: Path) -> None:
     """Print what is in a result file, in a folder's result file, or in a model file."""
     console = Console(highlight=False, soft_wrap=True)
+    if not console.is_terminal:
+        console.width = WIDE
     if not path.exists():
         raise ModelFileError(f"'{path}' does not exist; accepted is a result file, a folder of results, or a model file")
     if path.suffix in (".yaml", ".yml", ".json"):
@@ -45,7 +52,11 @@ def _show_result(console: Console, result: Result) -> None:
         console.print(note, markup=False)
     done = {name: value for name, value in result.statistics.as_dict().items() if value}
     console.print(", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in done.items()))
-    table = Table("signal", "unit", "first", "last", "smallest", "largest", header_style="bold")
+    columns = [
+        name + max([f".{label}" for label in signal.labels], key=len, default="") for name, signal in result.signals.items()
+    ]
+    whole = Column("signal", no_wrap=True, min_width=max(map(len, columns), default=0))  # names are for copying
+    table = Table(whole, "unit", "first", "last", "smallest", "largest", header_style="bold")
     for name, signal in result.signals.items():
         values = np.asarray(result.history(name).values).reshape(samples, -1)
         for component, label in enumerate(signal.labels or ("",)):
@@ -65,6 +76,8 @@ def _show_model(console: Console, model: ModelFile) -> None:
     for analysis in model.analyses:
         table.add_row(analysis.name, tag_of(type(analysis))[1], _summary(type(analysis)))
     console.print(table)
+    size = size_of(model.system, model.system.compile())
+    console.print("\n".join([str(size), *size.notes]))
 
 
 def _summary(cls: type) -> str:

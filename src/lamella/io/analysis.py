@@ -208,7 +208,7 @@ class Output:
 
     Args:
         frames: number of equally spaced configurations kept of a motion.
-        signals: signals in the plots, such as ``tip.position.z``; positions and forces when left out.
+        signals: signals in the plots, such as ``tip.position.z``; positions, forces, and what joints move when left out.
         field: what colours the pictures, such as ``displacement`` or ``von_mises``.
         view: ``isometric``, ``front``, ``side``, ``top``, or the direction in which the camera looks.
         at: times, load factors, or points of a path, of the pictures; a few spread over the whole when left out.

@@ -23,11 +23,12 @@ from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_other_
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.state import State
+from lamella.viz.solids import drawable, shaped, surface
 
 FORMAT, FORMAT_VERSION = "lamella modes", "1.0"
 AXIS = "mode"
 SHARE = 0.12
-"""Largest displacement of a drawn mode as a share of the largest extent of the plates."""
+"""Largest displacement of a drawn mode as a share of the largest extent of the bodies."""
 
 
 def write_modes(modes: Modes, path: str | Path, *, model_text: str | None = None, title: str = "") -> Path:
@@ -131,14 +132,15 @@ def mode_frames(modes: Modes, amplitude: float, count: int | None = None) -> Res
 
 
 def natural_amplitude(modes: Modes) -> float:
-    """A largest displacement that shows shapes well [m]: a share of the largest extent of the plates.
+    """A largest displacement that shows shapes well [m]: a share of the largest extent of the bodies.
 
     Raises:
-        DeclarationError: the model has no plate.
+        DeclarationError: the model has nothing to draw.
     """
-    if not modes.model.plates:
-        raise DeclarationError("modes", "the model has no plate to show", "accepted is a system with a plate")
-    positions = modes.state.reshape(-1, 3)[modes.model.is_position]
+    if not drawable(modes.model):
+        raise DeclarationError("modes", "the model has nothing to show", "accepted is one with a plate, or a body with a shape")
+    solids = [surface(body, modes.state)[0] for body in shaped(modes.model)]
+    positions = np.concatenate([modes.state.reshape(-1, 3)[modes.model.is_position], *solids])
     return SHARE * float(np.ptp(positions, axis=0).max())
 
 

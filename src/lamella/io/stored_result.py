@@ -101,7 +101,7 @@ def _outcome(attributes: dict[str, object]) -> Outcome:
     numbers = float(str(reached)), float(str(target))
     if name == "running":
         return Outcome(Cause.INTERRUPTED, *numbers, "the file was not closed: the run was killed or is still going on")
-    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), read_start(attributes))
+    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), start=read_start(attributes))
 
 
 def _statistics(group: Node) -> Statistics:

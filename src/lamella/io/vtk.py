@@ -1,7 +1,9 @@
 """ParaView output: the moving surface with its fields as one VTKHDF file with a time series.
 
 Each plate is a grid of quadrilaterals whose topology is written once; positions and fields follow, frame after frame, and the
-``Steps`` group says where each frame begins. All plates are one unstructured grid; the cell array ``plate`` numbers them.
+``Steps`` group says where each frame begins. All plates and the surfaces of all rigid bodies are one unstructured grid; the
+cell arrays ``plate`` and ``rigid_body`` number them, -1 being a cell of the other kind. A rigid body has displacement and
+velocity; its other fields are NaN.
 
 Numbers are stored in single precision, which is beyond what a picture shows, and compressed (gzip).
 
@@ -21,12 +23,14 @@ from lamella.errors import ResultFileError
 from lamella.io.result_layout import Node, append, refuse_other_file
 from lamella.roles import Floats, Ints
 from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
+from lamella.viz.solids import SolidSampler, SolidShot, drawable
 
 if TYPE_CHECKING:
     from lamella.result import Result
 
 VERSION = (2, 0)
-VTK_QUAD = 9
+VTK_TRIANGLE, VTK_QUAD = 5, 9
+OWNERS = ("plate", "rigid_body")
 PACKED: dict[str, Any] = {"dtype": "f4", "compression": "gzip", "compression_opts": 4, "shuffle": True}
 
 
@@ -40,16 +44,16 @@ def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fiel
         fields: names from :data:`lamella.viz.fields.FIELDS`; by default all that the result can give.
 
     Raises:
-        ResultFileError: the result has no frame or no plate, a field is not available, or the file cannot be written.
+        ResultFileError: the result has no frame or nothing to draw, a field is not available, or the file cannot be written.
     """
     import h5py
 
     path = Path(path)
     refuse_other_file(path)
     chosen = _choose(result, fields)
-    if not len(result.frame_at) or not result.model.plates:
+    if not len(result.frame_at) or not drawable(result.model):
         raise ResultFileError(
-            f"'{path}': the result has no frame of a plate to write; accepted is a run that got beyond its start"
+            f"'{path}': the result has no frame of a plate or of a body with a shape; accepted is a run that got beyond its start"
         )
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
@@ -75,36 +79,49 @@ def _write(group: Node, result: Result, per_element: int, fields: list[SurfaceFi
     n_frames = len(result.frame_at)
     group.attrs["Version"] = np.array(VERSION, dtype="i8")
     group.attrs.create("Type", b"UnstructuredGrid", dtype="S16")  # VTK reads fixed-length ASCII only
-    sampler = SurfaceSampler(result, per_element)
-    shots = sampler.at(0)
-    n_points = _write_topology(group, shots)
+    plates, bodies = SurfaceSampler(result, per_element), SolidSampler(result)
+    n_points = _write_topology(group, plates.at(0), bodies.at(0))
     points = group.create_dataset("Points", (0, 3), maxshape=(None, 3), chunks=(n_points, 3), **PACKED)
     data = group.create_group("PointData")
     arrays = {field.name: _create_array(data, field, n_points) for field in fields}
     for frame in range(n_frames):
-        shots = sampler.at(frame) if frame else shots
-        append(points, np.concatenate([shot.now.r.reshape(-1, 3) for shot in shots]))
+        shots, solids = plates.at(frame), bodies.at(frame)
+        append(points, np.concatenate([*(shot.now.r.reshape(-1, 3) for shot in shots), *(solid.points for solid in solids)]))
         for field in fields:
             values = [field.evaluate(shot).reshape(shot.now.r.shape[0] * shot.now.r.shape[1], -1) for shot in shots]
-            column = np.concatenate(values)
+            column = np.concatenate([*values, *(_on_solid(field, solid) for solid in solids)])
             append(arrays[field.name], column if field.labels else column[:, 0])
     _write_steps(group, result.frame_at, n_points, fields)
 
 
-def _write_topology(group: Node, shots: list[Snapshot]) -> int:
-    """Cells of all plates; returns the number of points."""
-    cells, owner, first = [], [], 0
+def _on_solid(field: SurfaceField, solid: SolidShot) -> Floats:
+    """Values of a field at the vertices of a rigid body, shape (n, components)."""
+    known = {"displacement": solid.displacement, "velocity": solid.velocity}
+    return known.get(field.name, np.full((len(solid.points), max(len(field.labels), 1)), np.nan))
+
+
+def _write_topology(group: Node, shots: list[Snapshot], solids: list[SolidShot]) -> int:
+    """Cells of all plates and rigid bodies; returns the number of points."""
+    faces, owners, first = [], [], 0
     for number, shot in enumerate(shots):
         my, mx = shot.now.r.shape[:2]
-        cells.append(quadrilaterals(my, mx) + first)
-        owner.append(np.full(len(cells[-1]), number))
+        faces.append(quadrilaterals(my, mx) + first)
+        owners.append(np.tile([number, -1], (len(faces[-1]), 1)))
         first += my * mx
-    quads = np.concatenate(cells)
-    group["NumberOfPoints"], group["NumberOfCells"] = np.array([first]), np.array([len(quads)])
-    group["NumberOfConnectivityIds"] = np.array([quads.size])
-    group["Connectivity"], group["Offsets"] = quads.reshape(-1), 4 * np.arange(len(quads) + 1)
-    group["Types"] = np.full(len(quads), VTK_QUAD, dtype="u1")
-    group.create_group("CellData")["plate"] = np.concatenate(owner)
+    for number, solid in enumerate(solids):
+        faces.append(solid.faces + first)
+        owners.append(np.tile([-1, number], (len(faces[-1]), 1)))
+        first += len(solid.points)
+    corners = np.concatenate(faces)
+    is_triangle = corners[:, 2] == corners[:, 3]
+    used = np.stack([*3 * [np.ones(len(corners), bool)], ~is_triangle], axis=1)
+    group["NumberOfPoints"], group["NumberOfCells"] = np.array([first]), np.array([len(corners)])
+    group["NumberOfConnectivityIds"] = np.array([used.sum()])
+    group["Connectivity"], group["Offsets"] = corners[used], np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    group["Types"] = np.where(is_triangle, VTK_TRIANGLE, VTK_QUAD).astype("u1")
+    cells = group.create_group("CellData")
+    for name, numbers in zip(OWNERS, np.concatenate(owners).T, strict=True):
+        cells[name] = numbers
     return first
 
 
@@ -132,4 +149,5 @@ def _write_steps(group: Node, at: Floats, n_points: int, fields: list[SurfaceFie
     steps["CellOffsets"], steps["ConnectivityIdOffsets"] = still[:, None], still[:, None]
     for name in [field.name for field in fields]:
         steps[f"PointDataOffsets/{name}"] = moving
-    steps["CellDataOffsets/plate"] = still
+    for name in OWNERS:
+        steps[f"CellDataOffsets/{name}"] = still

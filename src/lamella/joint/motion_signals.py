@@ -14,16 +14,18 @@ from lamella.state import State
 class TurnCounter:
     """An angle without jumps: of all values that differ by full turns, the one nearest to the last.
 
-    A time that does not grow begins a new run.
+    A run begins again when the time goes back to where it first was; within a run, a step may be tried with several lengths.
     """
 
     def __init__(self) -> None:
-        self._t, self._angle = np.inf, 0.0
+        self._start, self._angle = np.inf, 0.0
 
     def __call__(self, t: float, angle: float) -> float:
-        if t > self._t:
-            angle += 2.0 * np.pi * np.round((self._angle - angle) / (2.0 * np.pi))
-        self._t, self._angle = t, angle
+        if t > self._start:
+            angle += 2.0 * np.pi * float(np.round((self._angle - angle) / (2.0 * np.pi)))
+        else:
+            self._start = t
+        self._angle = angle
         return angle
 
 

@@ -93,6 +93,7 @@ class Latch(Declaration):
             block.measures.evaluate(state.q)
             return float(block.shares @ block.measures.values) - self.at
 
+        build.latches[self.name] = law.engage
         build.triggers.append(Trigger(self.name, beyond, 0, f"'{self.name}' locks '{self.on.name}'", law.engage))
         build.signals.append(
             Signal(f"{self.name}.engaged", "1", (), lambda state: float(law.engaged), f"whether {self.name} holds")

@@ -143,8 +143,8 @@ class Harmonic(Integrable):
 
     def integral(self, t: float) -> float:
         """Integral from 0 to t [s]."""
-        swing = math.cos(self.phase) - math.cos(self._omega * t + self.phase)
-        return self.mean * t + self.amplitude * swing / self._omega
+        half = 0.5 * self._omega * t  # a product of sines, for a difference of cosines loses the digits of a slow wave
+        return self.mean * t + 2.0 * self.amplitude * math.sin(half) * math.sin(half + self.phase) / self._omega
 
     @property
     def _omega(self) -> float:
@@ -156,8 +156,31 @@ def _constant_from_number(value: object) -> object:
     return Constant(float(value)) if is_number else value  # type: ignore[arg-type]
 
 
+def _kind(value: object) -> object:
+    return value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+
+
+def _told_by_kind(catalogue: Any) -> Any:
+    """The annotation of a field that takes a number or a profile of the catalogue, a union; its ``kind`` says which."""
+    members = {cls.kind: cls for cls in get_args(catalogue)}
+    return Annotated[
+        Union[tuple(Annotated[cls, Tag(kind)] for kind, cls in members.items())],  # noqa: UP007  # made from the catalogue
+        Discriminator(
+            _kind,
+            custom_error_type="profile",
+            custom_error_message=f"accepted is a number, or a profile whose kind is one of {', '.join(members)}",
+        ),
+        BeforeValidator(_constant_from_number, json_schema_input_type=float | catalogue),
+    ]
+
+
 SpeedProfile = Constant | Step | Ramp | SmoothStep | Cycloid | TrapezoidalSpeed | Polynomial | Harmonic | Table
 """Profiles whose integral has a closed form."""
+
+if TYPE_CHECKING:
+    Speed = SpeedProfile
+else:
+    Speed = _told_by_kind(SpeedProfile)
 
 
 @declaration
@@ -169,7 +192,7 @@ class Integral(TimeFunction):
         start: value at t = 0 [-].
     """
 
-    of: Annotated[SpeedProfile, BeforeValidator(_constant_from_number, json_schema_input_type=float | SpeedProfile)]
+    of: Speed
     start: Number = 0.0
     kind: Literal["integral"] = "integral"
 
@@ -194,23 +217,10 @@ class Integral(TimeFunction):
 AnyProfile = SpeedProfile | Integral
 
 
-def _kind(value: object) -> object:
-    return value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
-
-
 if TYPE_CHECKING:
     Profile = AnyProfile
 else:
-    _MEMBERS = {cls.kind: cls for cls in get_args(AnyProfile)}
-    Profile = Annotated[
-        Union[tuple(Annotated[cls, Tag(kind)] for kind, cls in _MEMBERS.items())],  # noqa: UP007  # made from the catalogue
-        Discriminator(
-            _kind,
-            custom_error_type="profile",
-            custom_error_message=f"accepted is a number, or a profile whose kind is one of {', '.join(_MEMBERS)}",
-        ),
-        BeforeValidator(_constant_from_number, json_schema_input_type=float | AnyProfile),
-    ]
+    Profile = _told_by_kind(AnyProfile)
 """A profile in a declaration or a model file (``{kind: ramp, t_end: 1 s}``); a plain number stands for a Constant."""
 
 

@@ -22,18 +22,21 @@ class MeasureRow:
         measure: m.
         constant: right-hand side without motion.
         motion: prescribed motion added to the right-hand side.
+        shared: whether the terms are shares of one angle, as along a hinge; each is then taken within pi of the prescribed angle.
     """
 
     label: str
     measure: Measure
     constant: float = 0.0
     motion: Motion | None = None
+    shared: bool = False
 
 
 class MeasureConstraint(ConstraintBlock):
     """Phi_r = m_r(q) - constant_r - motion_r(t).
 
-    A measure that is a single angle is taken within pi of its prescribed value, so that a drive may turn any number of times.
+    A measure that is a single angle, or shares of one, is taken within pi of its prescribed value, so that a drive may turn any
+    number of times.
 
     Args:
         name: name of the declaration.
@@ -45,9 +48,12 @@ class MeasureConstraint(ConstraintBlock):
         self.measures = MeasureSet([row.measure for row in rows])
         self.moves = any(row.motion is not None for row in rows)
         self.breakpoints = tuple(t for row in rows if row.motion is not None for t in row.motion.breakpoints)
-        single = [(r, row.measure[0]) for r, row in enumerate(rows) if len(row.measure) == 1]
-        self._angles = [(r, term.factor) for r, term in single if term.kind == ANGLE]
-        self._terms = np.cumsum([0, *(len(row.measure) for row in rows)])
+        ends = np.cumsum([len(row.measure) for row in rows], dtype=np.int64)
+        self._angles = [
+            (r, slice(int(end) - len(row.measure), int(end)), sum(term.factor for term in row.measure))
+            for r, (row, end) in enumerate(zip(rows, ends, strict=True))
+            if (row.shared or len(row.measure) == 1) and all(term.kind == ANGLE for term in row.measure)
+        ]
         self.j_rows, self.j_cols = self.measures.owner, self.measures.coords
         self._listed = np.flatnonzero(self.measures.rows <= self.measures.cols)
         i, j = self.measures.rows[self._listed], self.measures.cols[self._listed]
@@ -85,6 +91,6 @@ class MeasureConstraint(ConstraintBlock):
         out -= [row.motion.acceleration(t) if row.motion is not None else 0.0 for row in self.rows]
 
     def _turn_to(self, wanted: Floats) -> None:
-        """Take single angles within pi of their prescribed values."""
-        for r, factor in self._angles:
-            self.measures.centres[self._terms[r]] = wanted[r] / factor
+        """Take angles within pi of their prescribed values."""
+        for r, terms, factor in self._angles:
+            self.measures.centres[terms] = wanted[r] / factor

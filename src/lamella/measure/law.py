@@ -123,7 +123,8 @@ class LatchLaw(SpringLaw):
     Args:
         stiffness: k.
         damping: c.
-        at: the value held.
+        rest: the value held, as a function of time.
+        preload: further force while it holds, as a function of time.
     """
 
     engaged: bool = False

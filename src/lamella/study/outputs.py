@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,14 +14,20 @@ from lamella.io.analysis import Analysis, Computed, Output, mode_table
 from lamella.io.model_file import ModelFile
 from lamella.io.modes import mode_frames, natural_amplitude, write_modes
 from lamella.modal import Modes
+from lamella.model import Model
 from lamella.result import Result
 from lamella.study.folder import MODES, PICTURES
+from lamella.study.size import size_of
+from lamella.viz.solids import drawable
+
+if TYPE_CHECKING:
+    from lamella.viz.report import Section
 
 CAPTIONS = {
     "path.png": "Load factor over displacement, along the equilibrium path",
     "signals.png": "Recorded signals",
     "energy.png": "Energy and work, and what their balance leaves over",
-    "shape.png": "The deformed plates, true to their place and scale",
+    "shape.png": "The bodies, true to their place and scale",
     "modes.png": "Shapes of the first modes",
     "animation.gif": "The motion",
 }
@@ -52,8 +59,8 @@ def write_outputs(
     if isinstance(computed, Modes):
         return write_mode_outputs(model_file, computed, folder, pictures)
     files = [write_signals(computed, folder / "signals.csv")] if output.csv else []
-    drawable = bool(len(computed.frame_at) and computed.model.plates)
-    if output.paraview and drawable:
+    shown = bool(len(computed.frame_at) and drawable(computed.model))
+    if output.paraview and shown:
         from lamella.io.vtk import write_vtkhdf
 
         files.append(write_vtkhdf(computed, folder / "surface.vtkhdf"))
@@ -62,7 +69,7 @@ def write_outputs(
     if output.pictures:
         say(f"{analysis.name}: drawing pictures")
         files += write_pictures(computed, folder / PICTURES, output)
-    if output.animation and drawable and len(computed.frame_at) > 1:
+    if output.animation and shown and len(computed.frame_at) > 1:
         say(f"{analysis.name}: drawing the animation")
         files.append(write_animation(computed, folder / "animation.gif", output))
     if output.report:
@@ -81,13 +88,13 @@ def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictur
     files = [write_modes(modes, folder / MODES, model_text=text, title=model_file.title)]
     if output.csv:
         files.append(write_frequencies(modes, folder / "modes.csv"))
-    if output.paraview and modes.model.plates:
+    if output.paraview and drawable(modes.model):
         from lamella.io.vtk import write_vtkhdf
 
         shapes = mode_frames(modes, natural_amplitude(modes))
         files.append(write_vtkhdf(shapes, folder / "modes.vtkhdf", fields=("displacement", "normal")))
     drawn = []
-    if pictures and output.pictures and modes.model.plates:
+    if pictures and output.pictures and drawable(modes.model):
         from lamella.viz.scene import mode_sheet
 
         make_folder(folder / PICTURES)
@@ -101,7 +108,8 @@ def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictur
             tables=[Table(["Mode", "Frequency [Hz]"], mode_table(modes))],
         )
         title, about = model_file.title or "Natural modes", model_file.description
-        files.append(write_report(folder / "report.html", title, [section], summary=about, model_text=text))
+        sections = [section, system_section(model_file, modes.model)]
+        files.append(write_report(folder / "report.html", title, sections, summary=about, model_text=text))
     return files + drawn
 
 
@@ -135,15 +143,23 @@ def write_run_report(result: Result, path: Path, model_file: ModelFile, drawn: S
     return write_report(
         path,
         model_file.title or "Run",
-        [shown] if drawn else [],
+        [*([shown] if drawn else []), system_section(model_file, result.model)],
         summary=model_file.description,
         model_text=model_file.text(),
         results={path.parent.name: result},
     )
 
 
+def system_section(model_file: ModelFile, model: Model) -> Section:
+    """What a report says about the system: its numbers of bodies, joints, coordinates and constraints."""
+    from lamella.viz.report import Section, Table
+
+    size = size_of(model_file.system, model)
+    return Section("System", "\n\n".join(size.notes), tables=[Table(["", "number"], list(size.counts.items()))])
+
+
 def write_pictures(result: Result, folder: Path, output: Output | None = None) -> list[Path]:
-    """Draw signals, energies and the deformed plates into a folder.
+    """Draw signals, energies and the bodies into a folder.
 
     Raises:
         ResultFileError: a file cannot be written.
@@ -160,7 +176,7 @@ def write_pictures(result: Result, folder: Path, output: Output | None = None) -
     files += [save_figure(plot_signals(result, output.signals), folder / "signals.png")]
     if any(name.startswith("energy.") for name in result.signals):
         files.append(save_figure(plot_energy(result), folder / "energy.png"))
-    if len(result.frame_at) and result.model.plates:
+    if len(result.frame_at) and drawable(result.model):
         at = output.at or _spread(result)
         files.append(picture(result, folder / "shape.png", at=at, field=output.field, view=output.view, scale=output.scale))
     return files

@@ -35,7 +35,7 @@ class Composer:
     Args:
         camera: gives the panels' proportions.
         colours: of the bar.
-        label: of the bar, with unit.
+        label: of the bar, with unit; no bar when empty.
         panels: number of panels.
         width: of the whole picture [pixel].
         title: heading of the whole picture.
@@ -49,7 +49,7 @@ class Composer:
         columns = min(panels, 3 if panels > 4 or (panels == 3 and aspect <= 1.2) else 2)
         rows = -(-panels // columns)
         width, self._dpi = width * UNIT // dpi, dpi
-        panel = (width - BAR) // columns
+        panel = (width - BAR if label else width) // columns
         self._panel = (panel, max(round(panel / aspect), 60))
         self.panel = (self._panel[0] * dpi // UNIT, self._panel[1] * dpi // UNIT)
         top = HEAD if title else 0
@@ -58,7 +58,8 @@ class Composer:
             self._figure, self._images, self._texts = self._build(panels, columns, top)
             if title:
                 self._figure.text(12 / width, 1 - 6 / self._size[1], title, va="top", fontsize=11, fontweight="bold")
-            self._add_bar(colours, label, rows)
+            if label:
+                self._add_bar(colours, label)
 
     def show(self, pictures: Sequence[Picture], captions: Sequence[str]) -> None:
         """Put pictures and captions into the panels."""
@@ -94,7 +95,7 @@ class Composer:
             texts.append(figure.text((column * w + 12) / width, 1 - (upper + 7) / height, "", va="top", fontsize=9.5))
         return figure, images, texts
 
-    def _add_bar(self, colours: ColourScale, label: str, rows: int) -> None:
+    def _add_bar(self, colours: ColourScale, label: str) -> None:
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
 

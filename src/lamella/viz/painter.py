@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from lamella.roles import Floats
-from lamella.viz.renderer import LINE_COLOUR, OUTLINE_COLOUR, Picture, Renderer, Sheet
+from lamella.viz.renderer import LINE_COLOUR, OUTLINE_COLOUR, SOLID_COLOUR, Body, Picture, Renderer, Sheet
+from lamella.viz.solids import face_normals
 
 AMBIENT, DIFFUSE, SPECULAR, SHININESS = 0.42, 0.62, 0.18, 16
 LIGHT = (0.35, 0.45, -0.85)
@@ -18,13 +20,22 @@ FINEST = 64
 """Grids are refined until they have this many cells along their longer side, for smooth colours."""
 
 
+@dataclass
+class _Strokes:
+    """Polygons and lines to be painted, with colours, depths along the view and widths of their edges."""
+
+    polygons: list[Floats] = field(default_factory=list)
+    colours: list[Floats] = field(default_factory=list)
+    depths: list[float] = field(default_factory=list)
+    widths: list[float] = field(default_factory=list)
+
+
 class Painter(Renderer):
     """Lambert shading with a highlight, each face in one colour (painter's algorithm, Newell et al. 1972)."""
 
-    def draw(self, sheets: Sequence[Sheet]) -> Picture:
+    def draw(self, sheets: Sequence[Sheet], bodies: Sequence[Body] = ()) -> Picture:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.collections import PolyCollection
-        from matplotlib.colors import to_rgb
         from matplotlib.figure import Figure
 
         width, height = self.size
@@ -32,29 +43,22 @@ class Painter(Renderer):
         canvas = FigureCanvasAgg(figure)
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-1, 1), ylim=(-1, 1))
         axes.set_axis_off()
-        polygons, colours, depths, widths = [], [], [], []
+        strokes = _Strokes()
         for sheet in sheets:
-            corners, face_colours, depth, lift = self._faces(sheet)
-            polygons += list(corners)
-            colours += list(face_colours)
-            depths += list(depth)
-            widths += [0.5] * len(depth)  # an edge of the face's own colour closes the seam to its neighbour
-            for line, colour, width in [(line, LINE_COLOUR, 0.5) for line in sheet.lines] + [
-                (sheet.outline, OUTLINE_COLOUR, 1.1)
-            ]:
-                flat, depth = self.camera.project(line)
-                polygons += list(np.stack([flat[:-1], flat[1:]], axis=1))
-                depths += list(0.5 * (depth[:-1] + depth[1:]) - lift)
-                colours += [to_rgb(colour)] * (len(line) - 1)
-                widths += [width] * (len(line) - 1)
-        order = np.argsort(depths)[::-1]
-        painted = [colours[k] for k in order]
+            lift = self._add_faces(strokes, *self._sheet_faces(sheet))
+            for line in sheet.lines:
+                self._add_line(strokes, line, LINE_COLOUR, 0.5, lift)
+            self._add_line(strokes, sheet.outline, OUTLINE_COLOUR, 1.1, lift)
+        for body in bodies:
+            self._add_body(strokes, body)
+        order = np.argsort(strokes.depths)[::-1]
+        painted = [strokes.colours[k] for k in order]
         axes.add_collection(
             PolyCollection(
-                [polygons[k] for k in order],
+                [strokes.polygons[k] for k in order],
                 facecolors=painted,
                 edgecolors=painted,
-                linewidths=[widths[k] for k in order],
+                linewidths=[strokes.widths[k] for k in order],
                 closed=True,
             )
         )
@@ -64,16 +68,49 @@ class Painter(Renderer):
     def close(self) -> None:
         """Nothing is held between pictures."""
 
-    def _faces(self, sheet: Sheet) -> tuple[Floats, Floats, Floats, float]:
-        """Corners in the picture (n, 4, 2), colours (n, 3) and depths (n,) of the grid's cells, and the lift of lines on them."""
+    def _sheet_faces(self, sheet: Sheet) -> tuple[Floats, Floats, float]:
+        """Corners (n, 4, 3) and colours (n, 3) of the cells of a sheet's refined grid, and how many of them make one of it."""
         factor = -(-FINEST // max(sheet.points.shape[0] - 1, sheet.points.shape[1] - 1))
-        corners = _cells(refined(sheet.points, factor))
-        flat, depth = self.camera.project(corners)
-        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         colours = self.colours.colours(_cells(refined(sheet.values, factor)).mean(axis=1))
-        lift = factor * float(np.ptp(depth, axis=1).max())  # a line's segment spans the cell of the coarser grid
-        return flat, self._lit(normal, colours), depth.mean(axis=1), lift
+        return _cells(refined(sheet.points, factor)), colours, factor
+
+    def _add_body(self, strokes: _Strokes, body: Body) -> None:
+        """The faces of a body that look at the camera, in cells as small as those of plates, and their edges."""
+        from matplotlib.colors import to_rgb
+
+        corners = body.points[body.faces]
+        seen = face_normals(corners) @ self.camera.look < 0.0
+        if not seen.any():
+            return
+        cell = 2.0 * max(self.camera.half_width, self.camera.half_height) / FINEST
+        cells = np.concatenate([divided(quad, cell) for quad in corners[seen]])
+        lift = self._add_faces(strokes, cells, np.tile(to_rgb(SOLID_COLOUR), (len(cells), 1)), 1.0)
+        sides = np.stack([body.faces[seen], np.roll(body.faces[seen], -1, axis=1)], axis=-1).reshape(-1, 2)
+        visible = {(min(side), max(side)) for side in sides.tolist()}
+        for edge in body.edges.tolist():
+            if (min(edge), max(edge)) in visible:
+                ends = body.points[edge]
+                count = max(1, int(np.ceil(np.linalg.norm(ends[1] - ends[0]) / cell)))
+                share = np.linspace(0.0, 1.0, count + 1)[:, None]
+                self._add_line(strokes, (1.0 - share) * ends[0] + share * ends[1], LINE_COLOUR, 0.5, lift)
+
+    def _add_faces(self, strokes: _Strokes, corners: Floats, colours: Floats, span: float) -> float:
+        """Add lit cells; returns the lift of lines on them, whose segments span so many cells."""
+        flat, depth = self.camera.project(corners)
+        strokes.polygons += list(flat)
+        strokes.colours += list(self._lit(face_normals(corners), colours))
+        strokes.depths += list(depth.mean(axis=1))
+        strokes.widths += [0.5] * len(depth)  # an edge of the face's own colour closes the seam to its neighbour
+        return span * float(np.ptp(depth, axis=1).max())
+
+    def _add_line(self, strokes: _Strokes, line: Floats, colour: str, width: float, lift: float) -> None:
+        from matplotlib.colors import to_rgb
+
+        flat, depth = self.camera.project(line)
+        strokes.polygons += list(np.stack([flat[:-1], flat[1:]], axis=1))
+        strokes.colours += [np.array(to_rgb(colour))] * (len(line) - 1)
+        strokes.depths += list(0.5 * (depth[:-1] + depth[1:]) - lift)
+        strokes.widths += [width] * (len(line) - 1)
 
     def _lit(self, normal: Floats, colours: Floats) -> Floats:
         camera = self.camera
@@ -94,6 +131,14 @@ def refined(grid: Floats, factor: int) -> Floats:
         share = (at - low).reshape((-1,) + (1,) * (grid.ndim - axis - 1))
         grid = np.take(grid, low, axis) * (1.0 - share) + np.take(grid, low + 1, axis) * share
     return grid
+
+
+def divided(quad: Floats, cell: float) -> Floats:
+    """Cells no longer than ``cell`` that make a quadrilateral with corners (4, 3), shape (n, 4, 3)."""
+    sides = np.linalg.norm(np.roll(quad, -1, axis=0) - quad, axis=1)
+    counts = [max(1, int(np.ceil(max(sides[k], sides[k + 2]) / cell))) for k in (0, 1)]
+    u, v = np.linspace(0.0, 1.0, counts[0] + 1)[None, :, None], np.linspace(0.0, 1.0, counts[1] + 1)[:, None, None]
+    return _cells((1.0 - v) * ((1.0 - u) * quad[0] + u * quad[1]) + v * ((1.0 - u) * quad[3] + u * quad[2]))
 
 
 def _cells(grid: Floats) -> Floats:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamella.errors import DeclarationError
-from lamella.viz.plots import AXIS_LABEL, COLUMNS, LOAD_FACTOR, POSITION, SMALLEST_SPAN, columns_of, note_outcome, signal_of
+from lamella.viz.plots import AXIS_LABEL, LOAD_FACTOR, POSITION, SMALLEST_SPAN, columns_of, note_outcome, signal_of
 from lamella.viz.style import COLOURS, COMPONENT_COLOURS, new_figure, styled
 
 if TYPE_CHECKING:
@@ -38,10 +38,9 @@ def plot_path(result: Result, names: Sequence[str] | None = None, *, title: str 
         figure = new_figure(0.7 + 2.2 * len(names))
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
-        grid = figure.add_gridspec(len(names), COLUMNS)
+        grid = figure.add_gridspec(len(names), 1)
         for row, name in enumerate(names):
-            width = COLUMNS // len(columns_of(result, name))
-            axes = [figure.add_subplot(grid[row, k : k + width]) for k in range(0, COLUMNS, width)]
+            axes = [figure.add_subplot(cell) for cell in grid[row].subgridspec(1, len(columns_of(result, name)))]
             _draw_row(axes, result, name)
             for axis in axes if row == len(names) - 1 else ():
                 axis.set_xlabel("Displacement [m]")

@@ -25,8 +25,11 @@ BALANCE = "energy.balance"
 SMALLEST_SPAN = 5e-3
 """A component that varies less than this part of its signal's largest variation is drawn as flat as it is."""
 
-COLUMNS = 60
-"""Columns of the grid that rows of up to six components share; a multiple of their numbers."""
+MOST_IN_A_ROW, IN_A_ROW = 6, 3
+"""A signal of more components than the first, such as a rotation matrix, takes rows of the second."""
+
+CHOSEN = (POSITION, ".force", ".angle", ".displacement")
+"""Signals drawn when none are named: of markers and bodies, of joints and supports."""
 
 Curve = tuple[Floats, Floats]
 
@@ -48,23 +51,23 @@ def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: s
 
     Args:
         result: of a solution, or read from a file.
-        names: signals, or single components such as ``tip.position.z``; by default all positions and forces.
+        names: signals, or single components such as ``tip.position.z``; by default all positions, forces, and angles
+            and displacements of joints.
         title: heading of the figure.
 
     Raises:
         DeclarationError: no such signal.
     """
     if names is None:
-        names = [name for name in result.signals if name.endswith((POSITION, ".force"))] or list(result.signals)
-    rows = [columns_of(result, name) for name in names]
+        names = [name for name in result.signals if name.endswith(CHOSEN)] or list(result.signals)
+    rows = [(name, part) for name in names for part in _parts(columns_of(result, name))]
     with styled():
         figure = new_figure(0.35 + 1.75 * len(rows))
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=11.5, fontweight="bold")
-        grid = figure.add_gridspec(len(rows), COLUMNS)
-        for row, (name, columns) in enumerate(zip(names, rows, strict=True)):
-            width = COLUMNS // len(columns)
-            axes = [figure.add_subplot(grid[row, k * width : (k + 1) * width]) for k in range(len(columns))]
+        grid = figure.add_gridspec(len(rows), 1)
+        for row, (name, columns) in enumerate(rows):
+            axes = [figure.add_subplot(cell) for cell in grid[row].subgridspec(1, len(columns))]
             _draw_row(axes, name, result, columns, last=row == len(rows) - 1)
         note_outcome(figure, [result])
     return figure
@@ -234,6 +237,13 @@ def columns_of(result: Result, name: str) -> dict[str, Floats]:
     if not labels:
         return {"": values}
     return {label: values[:, k] for k, label in enumerate(labels) if component in (None, label)}
+
+
+def _parts(columns: dict[str, Floats]) -> list[dict[str, Floats]]:
+    """Components that share a row."""
+    items = list(columns.items())
+    width = len(items) if len(items) <= MOST_IN_A_ROW else IN_A_ROW
+    return [dict(items[k : k + width]) for k in range(0, len(items), width)]
 
 
 def _draw_row(axes: Sequence[Axes], name: str, result: Result, columns: dict[str, Floats], last: bool) -> None:

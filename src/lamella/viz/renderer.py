@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella.errors import DeclarationError, MissingExtraError
-from lamella.roles import Floats
+from lamella.roles import Floats, Ints
 from lamella.viz.camera import Camera
 
 if TYPE_CHECKING:
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 Picture = NDArray[np.uint8]
 RendererName = Literal["auto", "pyvista", "matplotlib"]
 LINE_COLOUR, OUTLINE_COLOUR = "#22303c", "#9aa5b1"
+SOLID_COLOUR = "#b9c0c8"
+"""Of rigid bodies, which carry no field: a grey that no colour map has."""
+
 PROBE_SECONDS = 60.0
 CHOICE = "LAMELLA_RENDERER"
 """Environment variable that takes the place of ``auto``, for machines whose OpenGL is known to work, or not to."""
@@ -56,6 +59,21 @@ class Sheet:
 
 
 @dataclass(frozen=True)
+class Body:
+    """One rigid body as it is drawn.
+
+    Args:
+        points: vertices [m], shape (n, 3).
+        faces: quadrilaterals of vertex numbers, outward by the right-hand rule; a triangle repeats its last vertex, shape (m, 4).
+        edges: pairs of vertex numbers that are drawn as lines, shape (k, 2).
+    """
+
+    points: Floats
+    faces: Ints
+    edges: Ints
+
+
+@dataclass(frozen=True)
 class ColourScale:
     """How values become colours."""
 
@@ -80,7 +98,7 @@ class ColourScale:
 
 
 class Renderer(ABC):
-    """Draws sheets as seen by one camera.
+    """Draws sheets and rigid bodies as seen by one camera.
 
     1. ``draw`` returns an RGB picture of the size given at construction, on white, and may be called again and again.
     2. The camera's rectangle fills the picture exactly, so that all renderers frame alike.
@@ -91,7 +109,7 @@ class Renderer(ABC):
         self.camera, self.colours, self.size = camera, colours, size
 
     @abstractmethod
-    def draw(self, sheets: Sequence[Sheet]) -> Picture:
+    def draw(self, sheets: Sequence[Sheet], bodies: Sequence[Body] = ()) -> Picture:
         """A picture, shape (height, width, 3)."""
 
     @abstractmethod

@@ -1,4 +1,4 @@
-"""Shaded pictures and animations of deformed plates, coloured by a field.
+"""Shaded pictures and animations of deformed plates, coloured by a field, and of rigid bodies, in grey.
 
 ``picture`` and ``animation`` draw with PyVista where OpenGL works and with matplotlib everywhere else; both frame alike.
 """
@@ -18,7 +18,8 @@ from lamella.roles import Floats
 from lamella.viz.camera import Camera, fit_camera
 from lamella.viz.compose import Composer, save_gif, save_mp4
 from lamella.viz.fields import Snapshot, SurfaceSampler, scalar, select
-from lamella.viz.renderer import ColourScale, Renderer, RendererName, Sheet, make_renderer
+from lamella.viz.renderer import Body, ColourScale, Renderer, RendererName, Sheet, make_renderer
+from lamella.viz.solids import SolidSampler, SolidShot, drawable
 
 if TYPE_CHECKING:
     from lamella.modal import Modes
@@ -42,6 +43,7 @@ class Drawing:
 
     result: Result
     sampler: SurfaceSampler
+    solids: SolidSampler
     field: str
     scale: float
     per_element: int
@@ -50,9 +52,13 @@ class Drawing:
     label: str
 
     def sheets(self, frame: int) -> list[Sheet]:
-        """What a renderer draws of one frame."""
+        """The plates a renderer draws of one frame."""
         field, component = select(self.field)
         return [_sheet(shot, scalar(field, component, shot), self.scale, self.per_element) for shot in self.sampler.at(frame)]
+
+    def bodies(self, frame: int) -> list[Body]:
+        """The rigid bodies a renderer draws of one frame."""
+        return [Body(_moved_points(shot, self.scale), shot.faces, shot.edges) for shot in self.solids.at(frame)]
 
     def caption(self, frame: int) -> str:
         """Where a frame stands on the axis of the result."""
@@ -83,7 +89,7 @@ def picture(
     width: int = 1760,
     renderer: RendererName = "auto",
 ) -> Path:
-    """Draw the deformed plates at one or several times.
+    """Draw the deformed plates and the rigid bodies at one or several times.
 
     Args:
         result: of a solution, or read from a file.
@@ -100,7 +106,7 @@ def picture(
         renderer: ``auto``, ``pyvista`` or ``matplotlib``.
 
     Raises:
-        DeclarationError: unknown field, view or renderer, or a result without frames of plates.
+        DeclarationError: unknown field, view or renderer, or a result without frames or with nothing to draw.
         ResultFileError: the picture cannot be written.
     """
     frames = _frames_at(result, at)
@@ -108,7 +114,8 @@ def picture(
     bar, heading = label or drawing.label, title or _title(scale)
     composer = Composer(drawing.camera, drawing.colours, bar, len(frames), width, heading, PICTURE_DPI)
     with _drawing(drawing, composer, renderer) as painter:
-        composer.show([painter.draw(drawing.sheets(frame)) for frame in frames], [drawing.caption(frame) for frame in frames])
+        drawn = [painter.draw(drawing.sheets(frame), drawing.bodies(frame)) for frame in frames]
+        composer.show(drawn, [drawing.caption(frame) for frame in frames])
     return composer.save(Path(path))
 
 
@@ -124,7 +131,7 @@ def mode_sheet(
         view, renderer: as in :func:`picture`.
 
     Raises:
-        DeclarationError: no plate in the model, or an unknown view or renderer.
+        DeclarationError: nothing to draw in the model, or an unknown view or renderer.
         ResultFileError: the picture cannot be written.
     """
     scale = natural_amplitude(modes)
@@ -147,7 +154,7 @@ def animation(
     seconds: float | None = None,
     renderer: RendererName = "auto",
 ) -> Path:
-    """Animate the deformed plates: a GIF, or an MP4 where imageio-ffmpeg is installed.
+    """Animate the deformed plates and the rigid bodies: a GIF, or an MP4 where imageio-ffmpeg is installed.
 
     Args:
         result: of a solution, or read from a file.
@@ -164,6 +171,7 @@ def animation(
     path = Path(path)
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise ResultFileError(f"animation '{path}': unknown suffix '{path.suffix}'; accepted are .gif and .mp4")
+    _refuse_empty(result)
     chosen = _spread(len(result.frame_at), frames)
     drawing = _prepare(result, field, scale, per_element, view, chosen)
     composer = Composer(drawing.camera, drawing.colours, drawing.label, 1, width, title or _title(scale), ANIMATION_DPI)
@@ -171,7 +179,7 @@ def animation(
 
         def pictures() -> Iterator[np.ndarray]:
             for frame in chosen:
-                composer.show([painter.draw(drawing.sheets(frame))], [drawing.caption(frame)])
+                composer.show([painter.draw(drawing.sheets(frame), drawing.bodies(frame))], [drawing.caption(frame)])
                 yield composer.pixels()
 
         each = (seconds or len(chosen) / 12.0) / len(chosen)
@@ -195,7 +203,7 @@ def _prepare(result: Result, field: str, scale: float, per_element: int, view: V
     """Fit the camera to all frames and the colours to those shown."""
     chosen, component = select(field)
     fitted = sorted({*_spread(len(result.frame_at), MOST_FITTED), *shown})
-    coarse, points, low, high = SurfaceSampler(result, 2), [], [], []
+    coarse, solids, points, low, high = SurfaceSampler(result, 2), SolidSampler(result), [], [], []
     for frame in fitted:
         for shot in coarse.at(frame):
             points += [_moved(shot, scale).reshape(-1, 3), shot.reference.r.reshape(-1, 3)]
@@ -203,18 +211,20 @@ def _prepare(result: Result, field: str, scale: float, per_element: int, view: V
                 values = scalar(chosen, component, shot)
                 low.append(np.nanmin(values) if np.isfinite(values).any() else 0.0)
                 high.append(np.nanmax(values) if np.isfinite(values).any() else 0.0)
+        points += [_moved_points(shot, scale) for shot in solids.at(frame)]
     camera = fit_camera(np.concatenate(points), view)
     name = chosen.title + (f", {chosen.labels[component]}" if component is not None else "")
     unit = "" if chosen.unit == "1" else f" [{chosen.unit}]"
     return Drawing(
         result,
         SurfaceSampler(result, per_element),
+        solids,
         field,
         scale,
         per_element,
         camera,
-        _colour_scale(min(low), max(high)),
-        name + unit,
+        _colour_scale(min(low, default=0.0), max(high, default=0.0)),
+        name + unit if result.model.plates else "",
     )
 
 
@@ -240,18 +250,26 @@ def _moved(shot: Snapshot, scale: float) -> Floats:
     return shot.reference.r + scale * shot.displacement
 
 
+def _moved_points(shot: SolidShot, scale: float) -> Floats:
+    return shot.reference + scale * shot.displacement
+
+
 def _frames_at(result: Result, at: float | Sequence[float] | None) -> list[int]:
-    if not len(result.frame_at) or not result.model.plates:
-        raise DeclarationError("picture", "the result has no frame of a plate", "accepted is a result that got beyond its start")
+    _refuse_empty(result)
     if at is None:
         return [len(result.frame_at) - 1]
     return [int(np.argmin(np.abs(result.frame_at - value))) for value in np.atleast_1d(np.asarray(at, float))]
 
 
+def _refuse_empty(result: Result) -> None:
+    if not len(result.frame_at):
+        raise DeclarationError("picture", "the result has no frame", "accepted is a result that got beyond its start")
+    if not drawable(result.model):
+        raise DeclarationError("picture", "the model has nothing to draw", "accepted is one with a plate, or a body with a shape")
+
+
 def _spread(there: int, most: int) -> list[int]:
     """At most ``most`` of the frames, evenly spread, first and last included."""
-    if not there:
-        raise DeclarationError("picture", "the result has no frame", "accepted is a result that got beyond its start")
     return sorted({int(k) for k in np.round(np.linspace(0, there - 1, min(there, max(most, 1))))})
 
 

@@ -174,8 +174,8 @@ class FloatingShellBlock(FrameShellBlock):
     """Elastic shell with the constant stiffness of the reference in one floating frame for the whole body.
 
     It is the floating frame of reference with all elastic modes of the mesh: the body moves as it likes and deforms as linear
-    theory says. Its tangent is dense, n_q (n_q + 3) / 2 numbers for n_q coordinates, and so is the matrix of the system. The
-    arguments are those of :class:`ShellBlock`.
+    theory says. Its tangent is dense, n_q (n_q + 3) / 2 numbers for n_q coordinates, and so is the matrix of the system: the
+    memory of a system grows with the square of the plate's coordinates. The arguments are those of :class:`ShellBlock`.
 
     Raises:
         ModelError: as :class:`ShellBlock`, or the mean gradient of the body's reference is singular (a closed ring has none).

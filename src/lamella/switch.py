@@ -1,0 +1,44 @@
+"""Forces that events switch on and off."""
+
+from __future__ import annotations
+
+from lamella.roles import Floats, ForceBlock
+
+
+class SwitchedForce(ForceBlock):
+    """A force block that acts only while it is switched on.
+
+    Args:
+        block: the block.
+        on: whether it acts at the start of a run.
+    """
+
+    def __init__(self, block: ForceBlock, *, on: bool) -> None:
+        self.block, self.on, self._at_start = block, on, on
+        self.name, self.symmetry, self.depends_on_velocity = block.name, block.symmetry, block.depends_on_velocity
+        self.f_coords, self.f_scale = block.f_coords, block.f_scale
+        self.k_rows, self.k_cols, self.k_scale = block.k_rows, block.k_cols, block.k_scale
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        if self.on:
+            self.block.force(t, q, v, f)
+        else:
+            f[:] = 0.0
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        if self.on:
+            self.block.force_tangent(t, q, v, alpha_q, alpha_v, q_previous, f, k)
+        else:
+            f[:], k[:] = 0.0, 0.0
+
+    def energy(self, t: float, q: Floats) -> float:
+        return self.block.energy(t, q) if self.on else 0.0
+
+    def dissipation(self, t: float, q: Floats, v: Floats) -> float:
+        return self.block.dissipation(t, q, v) if self.on else 0.0
+
+    def reset(self) -> None:
+        self.on = self._at_start
+        self.block.reset()
