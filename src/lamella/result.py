@@ -84,6 +84,9 @@ class Happening:
     name: str
     text: str
 
+    def __str__(self) -> str:
+        return f"{self.t:.6g} s: {self.name}: {self.text}"
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -222,6 +225,11 @@ class Result:
         self.frame_q, self.frame_v = np.asarray(recorder.frame_q), np.asarray(recorder.frame_v)
         columns = list(zip(*recorder.values, strict=True)) or [()] * len(self.signals)
         self._values = {name: np.asarray(column) for name, column in zip(self.signals, columns, strict=True)}
+
+    @property
+    def events(self) -> tuple[Happening, ...]:
+        """What happened on the way, each with ``t`` [s], ``name`` and ``text``, in time order."""
+        return self.outcome.events
 
     @property
     def start(self) -> Start:
