@@ -75,6 +75,7 @@ def simulate(
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
+        model.reset()
         equations, statistics = Equations(model), Statistics()
         stepper = integrator.stepper(equations, statistics, solver)
         point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
@@ -86,7 +87,6 @@ def simulate(
         statistics.seconds_compile = time.perf_counter() - began
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
-        model.reset()
         recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
         state = equations.state(point)
         stepper.restart(point)
@@ -105,8 +105,10 @@ def simulate(
 def _judged(outcome: Outcome, equations: Equations, final: State) -> Outcome:
     """The outcome, with a word of warning when constraints that were redundant at the start are not at the end."""
     found = equations.left_out(equations.point_of(final, final.t), VIOLATED) if outcome.completed else ""
-    detail = f"left out as redundant in what was a singular position, and violated at the end: {found}"
-    return replace(outcome, detail=detail) if found else outcome
+    if not found:
+        return outcome
+    warning = f"left out as redundant in what was a singular position, and violated at the end: {found}"
+    return replace(outcome, detail=f"{outcome.detail}; {warning}" if outcome.detail else warning)
 
 
 class _March:
@@ -175,8 +177,9 @@ class _March:
                 for trigger in triggers:
                     if trigger.act is not None:
                         trigger.act()
-                if any(trigger.stops for trigger in triggers):
-                    return Outcome(Cause.EVENT, self.t, self.t_end, self.watch.happened[-1].text)
+                ending = [trigger.text for trigger in triggers if trigger.stops]
+                if ending:
+                    return Outcome(Cause.EVENT, self.t, self.t_end, ending[0])
                 self._restart()
             if adaptive:
                 factor = self._factor(outcome.error)

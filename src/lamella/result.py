@@ -37,21 +37,6 @@ class Cause(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Happening:
-    """An event that happened.
-
-    Args:
-        t: when [s].
-        name: name of the event or latch.
-        text: what happened.
-    """
-
-    t: float
-    name: str
-    text: str
-
-
-@dataclass(frozen=True)
 class Start:
     """What had to be changed in the initial state so that it obeys supports and joints.
 
@@ -83,6 +68,24 @@ class Start:
                 changes = " and ".join(part for part in parts if part)
                 found.append(f"the initial {kind} were changed to obey supports and joints, by up to {changes}")
         return (*found, *self.left_out)
+
+
+@dataclass(frozen=True)
+class Happening:
+    """An event that happened.
+
+    Args:
+        t: when [s].
+        name: name of the event or latch.
+        text: what happened.
+    """
+
+    t: float
+    name: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.t:.6g} s: {self.name}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -222,6 +225,11 @@ class Result:
         self.frame_q, self.frame_v = np.asarray(recorder.frame_q), np.asarray(recorder.frame_v)
         columns = list(zip(*recorder.values, strict=True)) or [()] * len(self.signals)
         self._values = {name: np.asarray(column) for name, column in zip(self.signals, columns, strict=True)}
+
+    @property
+    def events(self) -> tuple[Happening, ...]:
+        """What happened on the way, each with ``t`` [s], ``name`` and ``text``, in time order."""
+        return self.outcome.events
 
     @property
     def start(self) -> Start:

@@ -149,6 +149,7 @@ class _Run:
     def __init__(self, system: System | Model, t: float, newton: Newton, solver: Method, *, single: bool = True) -> None:
         self.began = time.perf_counter()
         self.model = system.compile() if isinstance(system, System) else system
+        self.model.reset()
         if not self.model.rows and not self.model.constraints:
             raise ModelError(
                 "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"

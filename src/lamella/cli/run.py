@@ -69,7 +69,7 @@ def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -
             if isinstance(item.computed, Modes):
                 table.add_row(label, f"{len(mode_table(item.computed))} modes", "", "", "")
                 continue
-            notes += [(label, note) for note in item.computed.start.notes]
+            notes += [(label, str(note)) for note in (*item.computed.start.notes, *item.computed.events)]
             counts = item.computed.statistics
             table.add_row(
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"

@@ -15,7 +15,7 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
-from lamella.result import Start
+from lamella.result import Happening, Start
 from lamella.roles import Floats
 
 Node = Any
@@ -72,6 +72,7 @@ def lay_out(root: Node, signals: Sequence[Signal], axis: str, n_q: int, *, model
     _lay_out_signals(root.create_group("signals", track_order=True), signals, axis)
     _lay_out_frames(root.create_group("frames"), axis, n_q)
     root.create_group("statistics")
+    root.create_group("events")
 
 
 def reserve(path: Path, end: int, size: int) -> None:
@@ -178,6 +179,29 @@ def read_start(attributes: Mapping[str, object]) -> Start:
     displaced, turned, quickened, spun = str(attributes["start_where"]).split("\n")
     left_out = tuple(line for line in str(attributes["start_left_out"]).split("\n") if line)
     return Start(displacement, turn, velocity, spin, (displaced, turned, quickened, spun), left_out)
+
+
+def write_events(group: Node, events: Sequence[Happening]) -> None:
+    """Write when which events happened."""
+    import h5py
+
+    at = group.create_dataset("time", data=[event.t for event in events], dtype="f8")
+    at.attrs.update(plain({"units": "s", "long_name": "time of the event"}))
+    at.make_scale("time")
+    for name, label in (("name", "name of the event or latch"), ("text", "what happened")):
+        words = [getattr(event, name).replace("\x00", "") for event in events]
+        dataset = group.create_dataset(name, (len(words),), h5py.string_dtype(), data=words or None)
+        dataset.attrs.update(plain({"long_name": label}))
+        dataset.dims[0].attach_scale(at)
+
+
+def read_events(root: Node) -> tuple[Happening, ...]:
+    """What :func:`write_events` wrote; nothing where the run was not closed."""
+    group = root.get("events", {})
+    if "time" not in group:
+        return ()
+    columns = group["time"][()].tolist(), group["name"].asstr()[()].tolist(), group["text"].asstr()[()].tolist()
+    return tuple(Happening(t, name, text) for t, name, text in zip(*columns, strict=True))
 
 
 def origin() -> dict[str, str]:

@@ -8,6 +8,7 @@ spreadsheet read it without this package:
     /signals/component...      names of the components, one dataset for each set of names
     /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
     /statistics/<count>        scalars
+    /events/time, name, text   when which events happened, (event,)
     attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail,
                                start_displacement, start_turn, start_velocity, start_spin, start_where, start_left_out
 
@@ -35,6 +36,7 @@ from lamella.io.result_layout import (
     refuse_other_file,
     reserve,
     room_for,
+    write_events,
     write_outcome,
     write_start,
 )
@@ -134,7 +136,8 @@ class ResultWriter:
             with contextlib.ExitStack() as stack:
                 stack.callback(self._close_file)
                 if not self._damaged:
-                    self._burst(lambda: self._write_end(outcome, statistics), _MARGIN // 2)
+                    size = _MARGIN // 2 + sum(64 + len(event.name) + len(event.text) for event in outcome.events)
+                    self._burst(lambda: self._write_end(outcome, statistics), size)
 
     def _burst(self, write: Callable[[], None], size: int) -> None:
         """Reserve ``size`` bytes at the end of the file, change the file and flush it.
@@ -188,6 +191,7 @@ class ResultWriter:
     def _write_end(self, outcome: Outcome, statistics: Statistics) -> None:
         write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
         write_start(self._file, outcome.start)
+        write_events(self._file["events"], outcome.events)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():
             unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)
