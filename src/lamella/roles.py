@@ -94,6 +94,11 @@ class ForceBlock(ABC):
         """Power turned into heat [W]."""
         return 0.0
 
+    @property
+    def depends_on_time_alone(self) -> bool:
+        """Whether its force is the same for all states at one time, so that it is evaluated once for each time."""
+        return not len(self.k_rows) and not self.depends_on_velocity
+
     def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
         """Forget what happened in an earlier run (rule 7)."""
 

@@ -16,8 +16,8 @@ TIME = 0.3
 
 
 def engaged():
-    law = LatchLaw(40.0, 3.0, Constant(0.2), Constant(0.0))
-    law.engage()
+    law = LatchLaw(40.0, 3.0)
+    law.engage(np.full(len(MEASURES), 0.2))
     return law
 
 
@@ -30,7 +30,7 @@ LAWS = {
     "stop": lambda: StopLaw(-0.3, 0.4, 30.0, 0.0, 0.8),
     "damped stop": lambda: StopLaw(-0.3, 0.4, 30.0, 0.2, 0.8),
     "upper stop": lambda: StopLaw(-inf, 0.1, 30.0, 0.0, 1e-3),
-    "idle latch": lambda: LatchLaw(40.0, 3.0, Constant(0.2), Constant(0.0)),
+    "idle latch": lambda: LatchLaw(40.0, 3.0),
     "engaged latch": engaged,
 }
 laws = pytest.mark.parametrize("law", LAWS)
@@ -117,9 +117,14 @@ def test_a_latch_holds_from_engagement_until_reset():
     assert not force(block, q, v).any()
     assert block.energy(TIME, q) == block.dissipation(TIME, q, v) == 0.0
     assert not tangent(block, q, v, 1.0, 1.0).any()
-    block.law.engage()
-    np.testing.assert_array_equal(force(block, q, v), force(block_of("engaged latch"), q, v))
+    block.measures.evaluate(q)
+    block.law.engage(block.measures.values)
+    assert block.energy(TIME, q) == 0.0  # it holds what it finds
+    assert not force(block, q, 0.0 * v).any()
     assert force(block, q, v).any()
+    elsewhere = configuration(2)
+    assert block.energy(TIME, elsewhere) > 0.0
+    assert force(block, elsewhere, 0.0 * v).any()
     block.reset()
     assert not force(block, q, v).any()
 

@@ -233,9 +233,7 @@ class Equations:
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""
-        r = self.forces.reduced()
-        if self.loads.parts:
-            r += point.factor * self.loads.reduced()
+        r = self.forces.reduced() + point.factor * self.loads.reduced()
         if not point.at_rest:
             r += self._inertia(point.udd)
             if self._held is None:

@@ -12,7 +12,6 @@ from lamella.declaration import declaration
 from lamella.dofs import Build, Signal, Trigger
 from lamella.joint.turning import TurningJoint, check_added
 from lamella.load.spring import add_measure_force, turning_force
-from lamella.math.profile import Constant
 from lamella.measure.law import LatchLaw, StopLaw
 from lamella.roles import Declaration
 from lamella.state import State
@@ -62,9 +61,10 @@ class EndStop(Declaration):
 class Latch(Declaration):
     """A latch that locks a joint when its angle reaches a value: from then on a stiff spring and damper hold the angle there.
 
-    The moment of locking is found in time to a small share of the step; the spring begins without a jump of the torque but for
-    its damping. Choose k so that the locked joint's frequency is above those of interest, and c near 2 sqrt(k I) for an inertia I
-    so that it does not ring.
+    The moment of locking is found in time to a small share of the step. Along a hinge of plates every place is held at the angle
+    it has at that moment, so that the latch begins without energy and without a jump of the torque but for its damping. Choose k
+    so that the locked joint's frequency is above those of interest, and c near 2 sqrt(k I) for an inertia I, so that it does not
+    ring.
 
     Args:
         name: unique name; the result holds ``<name>.torque`` [N m], which acts against a growing angle, and ``<name>.engaged``.
@@ -85,7 +85,7 @@ class Latch(Declaration):
     def contribute(self, build: Build) -> None:
         """Add the latch's shares along the joint, its trigger, and its signals."""
         check_added(f"Latch '{self.name}'", build, self.on)
-        law = LatchLaw(self.stiffness, self.damping, Constant(self.at), Constant(0.0))
+        law = LatchLaw(self.stiffness, self.damping)
         block = turning_force(build, self.name, self.on, law, self.middle)
         add_measure_force(build, block, ("torque", "N m"), ("angle", "rad"))
 
@@ -93,8 +93,11 @@ class Latch(Declaration):
             block.measures.evaluate(state.q)
             return float(block.shares @ block.measures.values) - self.at
 
-        build.latches[self.name] = law.engage
-        build.triggers.append(Trigger(self.name, beyond, 0, f"'{self.name}' locks '{self.on.name}'", law.engage))
+        def engage() -> None:
+            law.engage(block.measures.values)  # those of the state just accepted, which the trigger has evaluated last
+
+        build.latches[self.name] = engage
+        build.triggers.append(Trigger(self.name, beyond, 0, f"'{self.name}' locks '{self.on.name}'", engage))
         build.signals.append(
-            Signal(f"{self.name}.engaged", "1", (), lambda state: float(law.engaged), f"whether {self.name} holds")
+            Signal(f"{self.name}.engaged", "1", (), lambda state: float(law.held is not None), f"whether {self.name} holds")
         )

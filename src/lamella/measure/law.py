@@ -115,36 +115,40 @@ class StopLaw(Law):
         return (self.force(t, m, rate)[0] - elastic) * rate
 
 
-class LatchLaw(SpringLaw):
-    """A spring and damper that does nothing until it is engaged, and then holds m at a value for the rest of the run.
+class LatchLaw(Law):
+    """A spring and damper that does nothing until it is engaged, and from then on holds every m where it was at that moment.
 
-    ``engage`` and ``reset`` change its one piece of discrete state; a run begins with ``reset``.
+        F = k (m - m_engaged) + c m'
+
+    So it begins without a jump of force, but for the damping, and without energy. ``engage`` and ``reset`` change its one piece
+    of discrete state.
 
     Args:
         stiffness: k.
         damping: c.
-        rest: the value held, as a function of time.
-        preload: further force while it holds, as a function of time.
     """
 
-    engaged: bool = False
+    def __init__(self, stiffness: float, damping: float) -> None:
+        self.stiffness, self.damping_constant, self.damped = stiffness, damping, damping > 0
+        self.held: Floats | None = None
 
-    def engage(self) -> None:
-        """Hold from now on."""
-        self.engaged = True
+    def engage(self, m: Floats) -> None:
+        """Hold the measures at ``m`` from now on."""
+        self.held = m.copy()
 
     def reset(self) -> None:
         """Let go, as at the start of a run."""
-        self.engaged = False
+        self.held = None
 
     def force(self, t: float, m: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
-        if self.engaged:
-            return super().force(t, m, rate)
-        zero = np.zeros_like(m)
-        return zero, zero, zero
+        if self.held is None:
+            zero = np.zeros_like(m)
+            return zero, zero, zero
+        F = self.stiffness * (m - self.held) + self.damping_constant * rate
+        return F, np.full_like(m, self.stiffness), np.full_like(m, self.damping_constant)
 
     def energy(self, t: float, m: Floats) -> Floats:
-        return super().energy(t, m) if self.engaged else np.zeros_like(m)
+        return np.zeros_like(m) if self.held is None else 0.5 * self.stiffness * (m - self.held) ** 2
 
     def dissipation(self, t: float, m: Floats, rate: Floats) -> Floats:
-        return super().dissipation(t, m, rate) if self.engaged else np.zeros_like(m)
+        return np.zeros_like(m) if self.held is None else self.damping_constant * rate**2

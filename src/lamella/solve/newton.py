@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Annotated, Protocol
 
 import numpy as np
@@ -15,11 +16,12 @@ from lamella.errors import SingularSystemError
 from lamella.result import Cause, Statistics
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
+from lamella.solve.secant import SecantCorrections
 from lamella.units import Positive
 
 ROUNDING = 1e-9
 """A correction of this size that does not shrink any more is rounding."""
-PATIENCE = 16
+PATIENCE = 24
 """Iterations within which a kept factorisation must promise to reach the tolerance."""
 SMALLEST = 1e-14
 """Errors below this need no correction."""
@@ -98,6 +100,7 @@ class NewtonSolver:
         self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
         self._factored_for: Weights | None = None
         self._per_magnitude = 1.0 / equations.magnitude
+        self._corrections = SecantCorrections(linear)
 
     def size(self, du: Floats) -> float:
         """Largest correction relative to the magnitude of its coordinate."""
@@ -117,25 +120,26 @@ class NewtonSolver:
         """
         before, start = None, point.u
         last = size = np.inf
+        self._corrections.forget()
         iteration = 0
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
             try:
                 r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
-                if not np.isfinite(r @ r):
+                if not isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
-                du, dlam = self.linear.solve(-r, -phi)
+                du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
                 self.forget()
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
             size = self.size(du)
-            if not np.isfinite(size):
+            if not isfinite(size):
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
-            contraction = size / last if np.isfinite(last) else 0.5
+            contraction = size / last if isfinite(last) else 0.5
             goal = max(self.options.tolerance * self.size(point.u + du - start), SMALLEST)
-            if not fresh and np.isfinite(last) and not self._promising(size, contraction, goal):
+            if not fresh and isfinite(last) and not self._promising(size, contraction, goal):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
@@ -144,6 +148,8 @@ class NewtonSolver:
             step = self._searched(point, weights, du, dlam) if growing else 1.0
             self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
+            if step != 1.0:
+                self._corrections.forget()
             if step == 1.0 and self._small_enough(size, contraction, goal) and self._holds(point, size):
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
@@ -183,6 +189,7 @@ class NewtonSolver:
         r, phi, k, j = self.equations.linearise(point, weights, previous)
         self.statistics.tangents += 1
         if np.isfinite(r).all():
+            self._corrections.forget()
             self.linear.factorise(k, j)
             self.statistics.factorisations += 1
             self._factored_for = weights
