@@ -37,6 +37,24 @@ class Cause(enum.Enum):
 
 
 @dataclass(frozen=True)
+class Happening:
+    """An event that happened.
+
+    Args:
+        t: when [s].
+        name: name of the event or latch.
+        text: what happened.
+    """
+
+    t: float
+    name: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.t:.6g} s: {self.name}: {self.text}"
+
+
+@dataclass(frozen=True)
 class Start:
     """What had to be changed in the initial state so that it obeys supports and joints.
 
@@ -68,24 +86,6 @@ class Start:
                 changes = " and ".join(part for part in parts if part)
                 found.append(f"the initial {kind} were changed to obey supports and joints, by up to {changes}")
         return (*found, *self.left_out)
-
-
-@dataclass(frozen=True)
-class Happening:
-    """An event that happened.
-
-    Args:
-        t: when [s].
-        name: name of the event or latch.
-        text: what happened.
-    """
-
-    t: float
-    name: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.t:.6g} s: {self.name}: {self.text}"
 
 
 @dataclass(frozen=True)
