@@ -72,6 +72,7 @@ def simulate(
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
+        model.reset()
         equations, statistics = Equations(model), Statistics()
         stepper = integrator.stepper(equations, statistics, solver)
         point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
@@ -80,9 +81,9 @@ def simulate(
         statistics.seconds_compile = time.perf_counter() - began
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
-        model.reset()
         recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
         state = equations.state(point)
+        model.settle(state)
         stepper.restart(point)
         march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
         outcome = march.run(point.t, state)
@@ -157,6 +158,7 @@ class _March:
             self.statistics.steps += 1
             self.t = stop if count == 1 and length == trial else point.t
             self.state = self.equations.state(point)
+            self.equations.model.settle(self.state)
             self.recorder.sample(self.t, self.state)
             if triggers:
                 for trigger in triggers:

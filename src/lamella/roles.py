@@ -63,8 +63,8 @@ class ForceBlock(ABC):
        stiffness from a linear extrapolation, which saves iterations and changes no converged result.
     5. ``energy`` is the potential whose derivative is the conservative part of f, 0.0 when there is none.
     6. ``dissipation`` is the power [W] turned into heat, never negative, 0.0 when there is none.
-    7. A block with discrete state (a latch that has engaged) changes it only between steps; ``reset`` puts it back to that of the
-       start of a run.
+    7. A block with discrete state (a latch that has engaged, the turns an angle has made) changes it only between steps:
+       ``settle`` is called once with each accepted configuration. ``reset`` puts the state back to that of the start of a run.
     """
 
     name: str
@@ -94,6 +94,9 @@ class ForceBlock(ABC):
         """Power turned into heat [W]."""
         return 0.0
 
+    def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Take note of an accepted configuration (rule 7)."""
+
     def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
         """Forget what happened in an earlier run (rule 7)."""
 
@@ -120,6 +123,7 @@ class ConstraintBlock(ABC):
     6. ``body`` is True for equations by which a body holds itself together: two bodies joined along a line may hold the same
        director at unit length, and then one of the two rows is left out without a word.
     7. Where a row is c(q) = p(t) with a prescribed p, ``prescribed`` gives p: the work of the row's force is -lam dp.
+    8. Discrete state obeys rule 7 of :class:`ForceBlock`.
     """
 
     name: str
@@ -164,3 +168,9 @@ class ConstraintBlock(ABC):
     @abstractmethod
     def gamma(self, t: float, q: Floats, v: Floats, out: Floats) -> None:
         """Write (Phi_q v)_q v + 2 Phi_qt v + Phi_tt (n_lam,)."""
+
+    def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Take note of an accepted configuration (rule 8)."""
+
+    def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Forget what happened in an earlier run (rule 8)."""
