@@ -45,6 +45,8 @@ class Declaration(ABC):
     name: str
     order: ClassVar[int] = 1
     """Declarations contribute in ascending order: 0 bodies, 1 everything that refers to bodies."""
+    python_only: ClassVar[bool] = False
+    """Whether it holds Python functions, which no model file can: nothing in a model file is executed."""
 
     @abstractmethod
     def contribute(self, build: Build) -> None:
