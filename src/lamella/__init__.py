@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from lamella.load.spring import TorsionSpring as TorsionSpring
     from lamella.load.stop import EndStop as EndStop
     from lamella.load.stop import Latch as Latch
+    from lamella.load.user import UserForce as UserForce
     from lamella.material.isotropic import Isotropic as Isotropic
     from lamella.material.lamina import Lamina as Lamina
     from lamella.material.laminate import Laminate as Laminate
@@ -111,6 +112,7 @@ _HOME = {
     "load.pressure": ("Pressure",),
     "load.spring": ("SlideSpring", "SpringDamper", "TorsionSpring"),
     "load.stop": ("EndStop", "Latch"),
+    "load.user": ("UserForce",),
     "material.isotropic": ("Isotropic",),
     "material.lamina": ("Lamina",),
     "material.laminate": ("Laminate", "Ply"),

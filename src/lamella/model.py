@@ -14,6 +14,7 @@ from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Build, DotRow, LinearRow, Signal, Support, Trigger
 from lamella.errors import ModelError
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
+from lamella.state import State
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,13 @@ class Model:
 
     def reset(self) -> None:
         """Put blocks with discrete state back to that of the start of a run."""
-        for block in (*self.forces, *self.loads):
+        for block in (*self.forces, *self.loads, *self.constraints):
             block.reset()
+
+    def settle(self, state: State) -> None:
+        """Tell all blocks that ``state`` has been accepted."""
+        for block in (*self.forces, *self.loads, *self.constraints):
+            block.settle(state.t, state.q)
 
     @property
     def n_q(self) -> int:

@@ -89,6 +89,7 @@ def simulate(
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
         recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
         state = equations.state(point)
+        model.settle(state)
         stepper.restart(point)
         march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
         outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state)
@@ -172,6 +173,7 @@ class _March:
             self.statistics.steps += 1
             self.t = stop if count == 1 and length == trial else point.t
             self.state = self.equations.state(point)
+            self.equations.model.settle(self.state)
             self.recorder.sample(self.t, self.state)
             if triggers:
                 for trigger in triggers:

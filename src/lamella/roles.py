@@ -45,6 +45,8 @@ class Declaration(ABC):
     name: str
     order: ClassVar[int] = 1
     """Declarations contribute in ascending order: 0 bodies, 1 everything that refers to bodies."""
+    python_only: ClassVar[bool] = False
+    """Whether it holds Python functions, which no model file can: nothing in a model file is executed."""
 
     @abstractmethod
     def contribute(self, build: Build) -> None:
@@ -63,8 +65,8 @@ class ForceBlock(ABC):
        stiffness from a linear extrapolation, which saves iterations and changes no converged result.
     5. ``energy`` is the potential whose derivative is the conservative part of f, 0.0 when there is none.
     6. ``dissipation`` is the power [W] turned into heat, never negative, 0.0 when there is none.
-    7. A block with discrete state (a latch that has engaged) changes it only between steps; ``reset`` puts it back to that of the
-       start of a run.
+    7. A block with discrete state (a latch that has engaged, the turns an angle has made) changes it only between steps:
+       ``settle`` is called once with each accepted configuration. ``reset`` puts the state back to that of the start of a run.
     """
 
     name: str
@@ -99,6 +101,9 @@ class ForceBlock(ABC):
         """Whether its force is the same for all states at one time, so that it is evaluated once for each time."""
         return not len(self.k_rows) and not self.depends_on_velocity
 
+    def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Take note of an accepted configuration (rule 7)."""
+
     def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
         """Forget what happened in an earlier run (rule 7)."""
 
@@ -125,6 +130,7 @@ class ConstraintBlock(ABC):
     6. ``body`` is True for equations by which a body holds itself together: two bodies joined along a line may hold the same
        director at unit length, and then one of the two rows is left out without a word.
     7. Where a row is c(q) = p(t) with a prescribed p, ``prescribed`` gives p: the work of the row's force is -lam dp.
+    8. Discrete state obeys rule 7 of :class:`ForceBlock`.
     """
 
     name: str
@@ -169,3 +175,9 @@ class ConstraintBlock(ABC):
     @abstractmethod
     def gamma(self, t: float, q: Floats, v: Floats, out: Floats) -> None:
         """Write (Phi_q v)_q v + 2 Phi_qt v + Phi_tt (n_lam,)."""
+
+    def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Take note of an accepted configuration (rule 8)."""
+
+    def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
+        """Forget what happened in an earlier run (rule 8)."""

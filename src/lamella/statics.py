@@ -154,6 +154,7 @@ class _Run:
             raise ModelError(
                 "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
             )
+        self.model.reset()
         self.equations, self.statistics = Equations(self.model), Statistics()
         linear = linear_solver(self.equations.matrix.pattern, solver)
         self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
@@ -182,9 +183,10 @@ class _Run:
         self.statistics.seconds_compile = time.perf_counter() - self.began
 
     def record(self, point: Point) -> None:
-        """Sample an equilibrium."""
+        """Take an equilibrium as the state to go on from, and sample it."""
         self.point, self.q = point, self.equations.coordinates(point)
         self.state = self.equations.state(point)
+        self.model.settle(self.state)
         count = len(self.recorder.at)
         self.recorder.sample(point.factor if self.axis == "load_factor" else float(count), self.state)
 

@@ -44,6 +44,9 @@ class SwitchedForce(ForceBlock):
     def dissipation(self, t: float, q: Floats, v: Floats) -> float:
         return self.block.dissipation(t, q, v) if self.on else 0.0
 
+    def settle(self, t: float, q: Floats) -> None:
+        self.block.settle(t, q)
+
     def reset(self) -> None:
         self.on = self._at_start
         self.block.reset()

@@ -39,6 +39,7 @@ def make_plate(**changes):
 LOADS = {
     "gravity": lambda plate: Gravity("load", VECTOR, PROFILE),
     "point force": lambda plate: PointForce("load", plate.marker("p", 1.1, 0.3), VECTOR, PROFILE),
+    "following point force": lambda plate: PointForce("load", plate.marker("p", 1.1, 0.3), VECTOR, PROFILE, follower=True),
     "edge force": lambda plate: EdgeForce("load", plate.edge("y+"), VECTOR, PROFILE),
     "surface force": lambda plate: SurfaceForce("load", plate, VECTOR, PROFILE),
     "pressure": lambda plate: Pressure("load", plate, 4.0, PROFILE),
@@ -50,6 +51,9 @@ LOADS = {
     "edge bending x": lambda plate: EdgeMoment("load", plate.edge("x+"), bending=4.0, profile=PROFILE),
     "edge bending y": lambda plate: EdgeMoment("load", plate.edge("y+"), bending=4.0, profile=PROFILE),
 }
+
+# springs, stops and latches in test_springs.py, events in test_events.py, forces written in Python in test_user_force.py
+TESTED_APART = {"SpringDamper", "TorsionSpring", "SlideSpring", "EndStop", "Latch", "Event", "UserForce"}
 
 
 class Case:
@@ -123,7 +127,8 @@ def expected_resultants(name, case):
     if isinstance(load, PointForce | PointMoment):
         row, vectors = load.on.rows(case.build), case.q.reshape(-1, 3)
         if isinstance(load, PointForce):
-            return np.array(VECTOR), np.cross(row.at(vectors), VECTOR)
+            axes = load.on.frame(case.build, np.eye(3)).rotation(vectors) if load.follower else np.eye(3)
+            return axes @ VECTOR, np.cross(row.at(vectors), axes @ VECTOR)
         a = np.array([row.slope_x @ vectors[row.vectors], row.slope_y @ vectors[row.vectors]])
         return nothing, frame(a) @ VECTOR if load.follower else np.array(VECTOR)
     if isinstance(load, EdgeMoment):
@@ -147,7 +152,7 @@ def test_every_load_of_the_package_has_a_case():
             if isinstance(item, type) and issubclass(item, Declaration) and item.__module__ == module.name:
                 kinds.add(item.__name__)
     plate = make_plate()
-    assert kinds == {type(make(plate)).__name__ for make in LOADS.values()}
+    assert kinds == {type(make(plate)).__name__ for make in LOADS.values()} | TESTED_APART
 
 
 @pytest.mark.parametrize("name", LOADS)

@@ -43,6 +43,8 @@ def info_command(path: Path) -> None:
     console.print(f"written {created} by lamella {version}")
     if result.model_text:
         _show_model(console, loads(result.model_text, name="stored model"))
+    elif result.model_missing:
+        console.print(f"without its model: {result.model_missing}", markup=False)
 
 
 def _show_result(console: Console, result: Result) -> None:

@@ -69,6 +69,11 @@ def concrete(base: type) -> tuple[type, ...]:
     return tuple(found)
 
 
+def in_files(cls: type) -> bool:
+    """Whether a model file can hold a declaration."""
+    return not (issubclass(cls, Declaration) and cls.python_only)
+
+
 @cache
 def field_specs(cls: type) -> dict[str, FieldSpec]:
     """The fields of a declaration that can be given, by name and in order."""

@@ -13,11 +13,12 @@ from pydantic_core import ErrorDetails
 from lamella.body.base import Body
 from lamella.declaration import LIMITS
 from lamella.errors import DeclarationError, LamellaError
-from lamella.io.annotation import Options, concrete, field_specs, fixed_length, options, same_shape, tag_of
+from lamella.io.annotation import Options, concrete, field_specs, fixed_length, in_files, options, same_shape, tag_of
 from lamella.io.document import Document, Place, shown
 from lamella.io.table_file import FILE, read_table
 from lamella.math.profile import Constant
 from lamella.math.table import Table
+from lamella.roles import Declaration
 
 
 class Failed:
@@ -99,6 +100,10 @@ class Reader:
             said = data[key]
             if said in tags and tag_of(tags[said])[0] == key:
                 return tags[said]
+            if any(tag_of(cls) == (key, said) for cls in concrete(Declaration) if not in_files(cls)):
+                only = "holds Python functions, and nothing in a model file is executed; add it to the system in Python"
+                self._fail((*place, key), f"{said} {only}")
+                return None
             self._fail((*place, key), f"there is no {key} {shown(said)}{suggestion(str(said), tags)}")
             return None
         if len(classes) == 1:

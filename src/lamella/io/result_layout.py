@@ -64,10 +64,12 @@ def is_hdf5(path: Path) -> bool:
         return file.read(len(_SIGNATURE)) == _SIGNATURE
 
 
-def lay_out(root: Node, signals: Sequence[Signal], axis: str, n_q: int, *, model_text: str, title: str, target: float) -> None:
-    """Write everything of a new file that is known before the first sample."""
+def lay_out(
+    root: Node, signals: Sequence[Signal], axis: str, n_q: int, *, model: tuple[str, str], title: str, target: float
+) -> None:
+    """Write everything of a new file that is known before the first sample; ``model`` is its text, or none and why."""
     root.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "axis": axis, "title": title}))
-    root.attrs.update(plain({**origin(), "model": model_text}))
+    root.attrs.update(plain({**origin(), "model": model[0], "model_missing": model[1]}))
     write_outcome(root, "running", float("nan"), target, "")
     _lay_out_signals(root.create_group("signals", track_order=True), signals, axis)
     _lay_out_frames(root.create_group("frames"), axis, n_q)

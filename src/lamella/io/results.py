@@ -60,6 +60,7 @@ class ResultWriter:
         axis: ``time``, ``load_factor`` or ``path`` (points of an equilibrium path).
         n_q: number of coordinates of a frame.
         model_text: the model file that describes the system, empty when there is none.
+        model_missing: why there is none.
         title: one line for people.
         target: time [s] or load factor asked for.
         overwrite: replace an existing result file.
@@ -77,6 +78,7 @@ class ResultWriter:
         n_q: int,
         *,
         model_text: str = "",
+        model_missing: str = "",
         title: str = "",
         target: float = float("nan"),
         overwrite: bool = False,
@@ -93,7 +95,7 @@ class ResultWriter:
         self._failed = self._damaged = False
         self._file = create_file(self.path, overwrite)
         self._burst(
-            lambda: lay_out(self._file, signals, axis, n_q, model_text=model_text, title=title, target=target),
+            lambda: lay_out(self._file, signals, axis, n_q, model=(model_text, model_missing), title=title, target=target),
             _MARGIN + len(model_text),
         )
 
@@ -208,7 +210,8 @@ def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
     refuse_other_file(path)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     signals, n_q = tuple(result.signals.values()), result.frame_q.shape[1] if result.frame_q.ndim == 2 else 0
-    writer = ResultWriter(partial, signals, result.axis, n_q, model_text=model_text(result), title=title, overwrite=True)
+    text, missing = model_text(result)
+    writer = ResultWriter(partial, signals, result.axis, n_q, model_text=text, model_missing=missing, title=title, overwrite=True)
     try:
         columns = [result.history(signal.name).values for signal in signals]
         for step, at in enumerate(result.at):
@@ -233,16 +236,16 @@ def frame_velocities(result: Result) -> Floats:
     return np.asarray(velocities)
 
 
-def model_text(result: Result) -> str:
-    """The model file that describes the system of a result, empty when it cannot be written as one."""
+def model_text(result: Result) -> tuple[str, str]:
+    """The model file that describes the system of a result, empty when it cannot be written as one, and why it cannot."""
     stored = getattr(result, "model_text", None)  # results read from a file keep the text they were written with
     if stored is not None:
-        return str(stored)
+        return str(stored), str(getattr(result, "model_missing", ""))
     if result.model.description is None:
-        return ""
+        return "", "the result is not that of a system"
     from lamella.io.writer import dumps  # the model file's schema is needed only here
 
     try:
-        return dumps(result.model.description)
-    except DeclarationError:  # forces written in Python and the like: the result is complete without its model file
-        return ""
+        return dumps(result.model.description), ""
+    except DeclarationError as error:  # forces written in Python and the like: the result is complete without its model file
+        return "", str(error)

@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 import lamella
 from lamella.io.analysis import Analysis, Output
-from lamella.io.annotation import concrete
+from lamella.io.annotation import concrete, in_files
 from lamella.material.isotropic import Isotropic
 from lamella.material.lamina import Lamina
 from lamella.material.laminate import Laminate
@@ -43,7 +43,7 @@ class Section:
     def classes(self) -> tuple[type, ...]:
         """The declarations accepted."""
         _import_catalogue()
-        return tuple(cls for base in self.bases for cls in concrete(base))
+        return tuple(cls for base in self.bases for cls in concrete(base) if in_files(cls))
 
 
 SECTIONS = {

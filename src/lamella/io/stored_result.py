@@ -32,6 +32,7 @@ class StoredResult(Result):
     def __init__(self, path: Path, file: Node) -> None:
         self.path, self.attributes = path, {name: _plain(value) for name, value in file.attrs.items()}
         self.axis, self.title, self.model_text = (str(self.attributes[name]) for name in ("axis", "title", "model"))
+        self.model_missing = str(self.attributes.get("model_missing", ""))
         self.outcome, self.statistics = _outcome(self.attributes, read_events(file)), _statistics(file["statistics"])
         group, frames = file["signals"], file["frames"]
         self.at: Floats = group[self.axis][()]
@@ -55,7 +56,8 @@ class StoredResult(Result):
         if self._model is None:
             if not self.model_text:
                 accepted = "accepted is the result of a model that can be written as a model file"
-                raise ResultFileError(f"result file '{self.path}' holds no model; {accepted}")
+                why = f" ({self.model_missing})" if self.model_missing else ""
+                raise ResultFileError(f"result file '{self.path}' holds no model{why}; {accepted}")
             from lamella.io.model_file import loads  # pydantic and the YAML reader are needed only here
 
             self._model = loads(self.model_text).system.compile()

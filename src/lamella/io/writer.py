@@ -64,7 +64,8 @@ def _items(system: System) -> list[Declaration]:
     """The declarations, with every ground whose markers are used: a ground need not have been added."""
     items = {item.name: item for item in system.declarations}
     for item in system.declarations:
-        places = (getattr(item, name) for name in field_specs(type(item)))
+        given = (getattr(item, name) for name in field_specs(type(item)))
+        places = [place for value in given for place in (value if isinstance(value, tuple) else (value,))]
         for ground in [place.body for place in places if isinstance(place, Marker) and isinstance(place.body, Ground)]:
             known = items.setdefault(ground.name, ground)
             if isinstance(known, Ground):
@@ -99,6 +100,9 @@ def _plain(value: Any, annotation: Any) -> Any:
         return [_plain(item, inner[i % len(inner)]) for i, item in enumerate(value)]
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
+    if callable(value):
+        said = "is a Python function, which a model file cannot hold"
+        raise DeclarationError("model file", f"{getattr(value, '__name__', value)!s} {said}", "accepted is a system in Python")
     raise DeclarationError("model file", f"{value!r} cannot be written", "accepted are declarations, numbers, texts, lists")
 
 

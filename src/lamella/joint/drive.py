@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from lamella.declaration import declaration
 from lamella.dofs import Build, Motion, Signal
 from lamella.joint.turning import SlidingJoint, TurningJoint, angle_shares, check_added, joint_displacement
 from lamella.math.profile import Integral, Profile
 from lamella.measure.constraint import MeasureConstraint, MeasureRow
 from lamella.measure.measure import Measure, MeasureSet
-from lamella.roles import Declaration, Floats
+from lamella.roles import Declaration
 
 
 @declaration
@@ -85,17 +83,8 @@ def _motion(build: Build, measure: Measure, place: Profile | None, speed: Profil
     if place is not None:
         return place
     found = MeasureSet([measure])
-    q = build.initial.reshape(-1)
-    found.centres[:] = _first_angle(measure, q)
-    found.evaluate(q)
+    found.evaluate(build.initial.reshape(-1))
     return Integral(of=speed, start=float(found.values[0]))  # type: ignore[arg-type]  # checked by Integral
-
-
-def _first_angle(measure: Measure, q: Floats) -> float:
-    """The first term alone. Along a hinge folded flat some shares read pi and others -pi: all are taken as the first is."""
-    first = MeasureSet([(replace(measure[0], factor=1.0),)])
-    first.evaluate(q)
-    return float(first.values[0])
 
 
 def _drive(build: Build, name: str, row: MeasureRow, quantity: str, unit: str) -> None:

@@ -10,7 +10,7 @@ from lamella.joint.cylindrical import CylindricalJoint
 from lamella.joint.hinge import EdgeHinge
 from lamella.joint.prismatic import PrismaticJoint
 from lamella.joint.revolute import RevoluteJoint
-from lamella.measure.measure import Measure, Term
+from lamella.measure.measure import Measure, MeasureSet, Term
 
 TurningJoint = RevoluteJoint | CylindricalJoint | EdgeHinge
 """Joints that leave an angle free."""
@@ -19,15 +19,20 @@ SlidingJoint = PrismaticJoint | CylindricalJoint
 """Joints that leave a displacement free."""
 
 
-def angle_shares(build: Build, joint: TurningJoint, centre: float = 0.0) -> list[Term]:
+def angle_shares(build: Build, joint: TurningJoint, middle: float = 0.0) -> list[Term]:
     """The angle of a joint as terms whose factors sum to 1: one for a joint of markers, several along a hinge.
+
+    Along a hinge folded flat some shares read pi and others -pi: all are taken as the first is.
 
     Args:
         build: the build.
         joint: the joint; it must have been added to the system.
-        centre: angles are taken within pi of it [rad].
+        middle: the angle in the reference configuration is taken within pi of it [rad].
     """
-    return [replace(term, centre=centre) for term in joint.turns_of(build)]
+    terms = joint.turns_of(build)
+    first = MeasureSet([(replace(terms[0], factor=1.0, centre=middle),)])
+    first.evaluate(build.initial.reshape(-1))
+    return [replace(term, centre=float(first.values[0])) for term in terms]
 
 
 def joint_displacement(build: Build, joint: SlidingJoint) -> Measure:

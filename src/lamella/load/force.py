@@ -1,4 +1,4 @@
-"""Dead forces at points, along edges and over surfaces; their direction is fixed in the inertial frame."""
+"""Forces at points, along edges and over surfaces, fixed in the inertial frame; at points also such as turn with the body."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from lamella.body.base import Marker
 from lamella.body.plate import Edge, Plate
 from lamella.declaration import declaration
 from lamella.load.dead import add_dead_load
+from lamella.load.follower import FollowerForceBlock
+from lamella.load.record import add_load
 from lamella.math.gauss import gauss_rule
 from lamella.math.profile import Constant, Profile
 from lamella.roles import Declaration, Floats
@@ -22,23 +24,33 @@ if TYPE_CHECKING:
 
 @declaration
 class PointForce(Declaration):
-    """A force at a marker: Q = S(x, y)^T F p(t).
+    """A force at a marker: Q = S(x, y)^T F p(t), or Q = S^T R F p(t) with the rotation R of the marker's axes.
+
+    The axes of a follower force are the inertial axes in the reference configuration and turn with the body, as a thruster does.
+    On a plate they turn with the normal and, about it, with the mean of the tangents at the marker.
 
     Args:
         name: unique name.
         on: the marker.
-        force: force vector F in the inertial frame [N].
+        force: force vector F [N]: in the inertial frame, or with ``follower`` in axes that turn with the body.
         profile: factor p(t).
+        follower: whether the force turns with the body.
     """
 
     name: str
     on: Marker
     force: tuple[units.Force, units.Force, units.Force]
     profile: Profile = Constant(1.0)
+    follower: bool = False
 
     def contribute(self, build: Build) -> None:
         """Add the force to the coordinate vectors that make the point."""
         rows = self.on.rows(build)
+        if self.follower:
+            x, y, z = self.on.frame(build, np.eye(3)).axes
+            turned = self.force[0] * x + self.force[1] * y + self.force[2] * z
+            add_load(build, FollowerForceBlock(self.name, rows.point, turned, self.profile), self.profile)
+            return
         add_dead_load(build, self.name, rows.vectors, np.outer(rows.position, self.force), self.profile)
 
 

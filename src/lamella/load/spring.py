@@ -68,7 +68,8 @@ class TorsionSpring(Declaration):
         damping: c [N m s/rad].
         rest_angle: unstressed angle phi_0 as a function of time [rad].
         preload: further torque T_0 as a function of time [N m].
-        middle: angles are taken within pi of it [rad]; for joints that fold by more than half a turn from zero.
+        middle: the angle in the reference configuration is taken within pi of it [rad]: says whether a hinge folded flat is at pi
+            or at -pi. From there the angle counts turns.
     """
 
     name: str

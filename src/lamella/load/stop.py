@@ -31,7 +31,7 @@ class EndStop(Declaration):
         stiffness: k [N m/rad].
         damping: c_s, the inverse of the angular velocity of approach that doubles the torque [s/rad].
         width: w, the angle over which the stop grows stiff [rad].
-        middle: angles are taken within pi of it [rad].
+        middle: the angle in the reference configuration is taken within pi of it [rad]; from there it counts turns.
     """
 
     name: str
@@ -72,7 +72,7 @@ class Latch(Declaration):
         at: angle at which it locks [rad].
         stiffness: k [N m/rad].
         damping: c [N m s/rad].
-        middle: angles are taken within pi of it [rad].
+        middle: the angle in the reference configuration is taken within pi of it [rad]; from there it counts turns.
     """
 
     name: str

@@ -35,8 +35,8 @@ class MeasureRow:
 class MeasureConstraint(ConstraintBlock):
     """Phi_r = m_r(q) - constant_r - motion_r(t).
 
-    A measure that is a single angle, or shares of one, is taken within pi of its prescribed value, so that a drive may turn any
-    number of times.
+    Angles follow the accepted configurations. A measure that is a single angle, or shares of one, is taken within pi of its
+    prescribed value instead, which says where it shall be at the start as well.
 
     Args:
         name: name of the declaration.
@@ -89,6 +89,13 @@ class MeasureConstraint(ConstraintBlock):
         bend = self.measures.times(v) * v[self.measures.coords]
         out[:] = np.bincount(self.measures.owner, bend, minlength=self.n_lam)
         out -= [row.motion.acceleration(t) if row.motion is not None else 0.0 for row in self.rows]
+
+    def settle(self, t: float, q: Floats) -> None:
+        self.measures.evaluate(q)
+        self.measures.follow()
+
+    def reset(self) -> None:
+        self.measures.reset()
 
     def _turn_to(self, wanted: Floats) -> None:
         """Take angles within pi of their prescribed values."""

@@ -59,8 +59,13 @@ class MeasureForce(ForceBlock):
         if self.law.damped:
             k += alpha_q * F_rate[self._owner] * g[self._i] * found.times(v)[self._j]
 
+    def settle(self, t: float, q: Floats) -> None:
+        self.measures.evaluate(q)
+        self.measures.follow()
+
     def reset(self) -> None:
         self.law.reset()
+        self.measures.reset()
 
     def energy(self, t: float, q: Floats) -> float:
         self.measures.evaluate(q)

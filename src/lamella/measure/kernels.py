@@ -140,6 +140,7 @@ def evaluate(
     q: Floats,
     second: bool,
     scratch: Floats,
+    terms: Floats,
     value: Floats,
     gradient: Floats,
     hessian: Floats,
@@ -155,6 +156,7 @@ def evaluate(
         q: coordinates.
         second: whether Hessians are wanted.
         scratch: work space, shape (36, 9).
+        terms: value of each term without its factor, shape (n_term,).
         value: (n,).
         gradient: by the coordinates of each measure's vectors, one measure after the other, shape (3 n_vectors,).
         hessian: full matrices, one measure after the other.
@@ -185,7 +187,7 @@ def evaluate(
             else:
                 found = angle(x, g, h, rest)
                 found -= 2.0 * math.pi * round((found - centres[term]) / (2.0 * math.pi))
-            factor = factors[term]
+            factor, terms[term] = factors[term], found
             value[m] += factor * found
             for k in range(count):
                 for a in range(3):

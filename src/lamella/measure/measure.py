@@ -20,7 +20,7 @@ class Term:
         kind: LENGTH, ANGLE or SLIDE of :mod:`lamella.measure.kernels`.
         vectors: d; or u, w, t; or d, z.
         factor: factor [-].
-        centre: an angle is taken within pi of it [rad].
+        centre: an angle is taken within pi of it at the start, and then of where it last was [rad].
     """
 
     kind: int
@@ -51,6 +51,9 @@ def slide(d: VectorRows, z: VectorRows, factor: float = 1.0) -> Term:
 class MeasureSet:
     """Several measures with their arrays.
 
+    An angle is known up to full turns. It is taken within pi of its centre, which ``follow`` moves to its last value, so that it
+    may turn any number of times as long as it turns by less than pi between two calls.
+
     Args:
         measures: the measures.
     """
@@ -62,6 +65,8 @@ class MeasureSet:
         self._kinds = np.array([term.kind for term in terms], dtype=np.int64)
         self._factors = np.array([term.factor for term in terms])
         self.centres = np.array([term.centre for term in terms])
+        self._first_centres = self.centres.copy()
+        self._angles = self._kinds == ANGLE
         self._constants = np.zeros((len(terms), 3, 3))
         vectors, weights = [], []
         for measure, first in zip(measures, self._first_term, strict=False):
@@ -84,6 +89,7 @@ class MeasureSet:
         self.owner = np.repeat(np.arange(self.n), self.counts)
         """Measure of each entry of the gradients."""
         self.values, self.gradients = np.zeros(self.n), np.zeros(len(self.coords))
+        self._terms = np.zeros(len(terms))
         self.hessians = np.zeros(int(np.sum(self.counts**2)))
         self._scratch = np.zeros((36, 9))
         self.rows, self.cols = self._pairs()
@@ -111,10 +117,19 @@ class MeasureSet:
             q,
             second,
             self._scratch,
+            self._terms,
             self.values,
             self.gradients,
             self.hessians,
         )
+
+    def follow(self) -> None:
+        """Take angles within pi of their values at the last configuration evaluated from now on."""
+        self.centres[self._angles] = self._terms[self._angles]
+
+    def reset(self) -> None:
+        """Take angles within pi of where they were at the start."""
+        self.centres[:] = self._first_centres
 
     def rates(self, v: Floats) -> Floats:
         """Rates of the measures at the last configuration evaluated, for velocities ``v`` (n_q,)."""
