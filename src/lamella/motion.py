@@ -23,6 +23,8 @@ from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 from lamella.system import System
 
+GROWN = 0.05
+"""Share of the largest energy by which the balance may end above zero before the outcome warns; sums over long steps err too."""
 SAFETY = 0.9
 """Share of the step that the error estimate would allow."""
 BEFORE_JUMP = 1e-9
@@ -92,7 +94,7 @@ def simulate(
         model.settle(state)
         stepper.restart(point)
         march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
-        outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state)
+        outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
     result = Result(model, recorder, march.state, outcome, statistics)
@@ -103,13 +105,23 @@ def simulate(
     return result
 
 
-def _judged(outcome: Outcome, equations: Equations, final: State) -> Outcome:
-    """The outcome, with a word of warning when constraints that were redundant at the start are not at the end."""
-    found = equations.left_out(equations.point_of(final, final.t), VIOLATED) if outcome.completed else ""
-    if not found:
+def _judged(outcome: Outcome, equations: Equations, final: State, recorder: Recorder) -> Outcome:
+    """The outcome with words of warning: energy that has grown, and constraints left out at the start that are violated now."""
+    if not outcome.completed:
         return outcome
-    warning = f"left out as redundant in what was a singular position, and violated at the end: {found}"
-    return replace(outcome, detail=f"{outcome.detail}; {warning}" if outcome.detail else warning)
+    warnings = [outcome.detail] if outcome.detail else []
+    found = equations.left_out(equations.point_of(final, final.t), VIOLATED)
+    if found:
+        warnings.append(f"left out as redundant in what was a singular position, and violated at the end: {found}")
+    names = [signal.name for signal in recorder.signals]
+    kinetic, strain, balance = (
+        np.array([row[names.index(f"energy.{name}")][0] for row in recorder.values]) for name in ("kinetic", "strain", "balance")
+    )
+    grown, size = float(balance[-1]), float(np.max(np.abs(kinetic) + np.abs(strain)))
+    if grown > GROWN * size:
+        advice = "take a shorter step, a smaller rho_inf, or the stabilised form"
+        warnings.append(f"energy has grown by {grown:.2g} J beside {size:.2g} J: {advice}")
+    return replace(outcome, detail="; ".join(warnings))
 
 
 class _March:

@@ -72,6 +72,8 @@ class ForceBlock(ABC):
     name: str
     symmetry: Symmetry = "symmetric"
     depends_on_velocity: bool = False
+    varies: bool = False
+    """Whether the potential depends on time as well, as that of an actuator does."""
     f_coords: Ints
     f_scale: Floats
     k_rows: Ints

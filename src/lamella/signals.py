@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy import sparse
@@ -12,7 +12,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
-from lamella.roles import Floats
+from lamella.roles import Floats, ForceBlock
 from lamella.state import State
 
 AXES = ("x", "y", "z")
@@ -128,6 +128,27 @@ class WorkMeter:
         return self.work
 
 
+class ActuatorMeter:
+    """Work put into potentials that change with time: sum over steps of the change of V(t, q) with t at both ends, averaged.
+
+    Args:
+        blocks: blocks whose potential depends on time.
+    """
+
+    def __init__(self, blocks: Sequence[ForceBlock]) -> None:
+        self.blocks, self.work = blocks, 0.0
+        self._last: tuple[float, Floats] | None = None
+
+    def __call__(self, state: State) -> float:
+        if self._last is not None:
+            t, q = self._last
+            for block in self.blocks:
+                for place in (q, state.q):
+                    self.work += 0.5 * (block.energy(state.t, place) - block.energy(t, place))
+        self._last = state.t, state.q
+        return self.work
+
+
 def energy_signals(equations: Equations) -> list[Signal]:
     """Kinetic and strain energy, work of loads and of moving supports, heat, and the balance of them all.
 
@@ -167,7 +188,11 @@ def energy_signals(equations: Equations) -> list[Signal]:
             np.concatenate([elimination.right_hand_side(s.t, s.factor), constraints.prescribed(s.t)]),
         )
     )
-    supports = along_motions if moves else nothing
+    actuators = ActuatorMeter([block for block in model.forces if block.varies])
+
+    def supports(state: State) -> float:
+        return (along_motions(state) if moves else 0.0) + actuators(state)
+
     dampers, at_rest = ForceSum(damped, model.n_q), np.zeros(model.n_q)
     dissipated = WorkMeter(heat) if damped else nothing
     last: dict[str, float] = {}

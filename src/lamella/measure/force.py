@@ -27,7 +27,7 @@ class MeasureForce(ForceBlock):
     def __init__(self, name: str, measures: Sequence[Measure], shares: Floats, law: Law) -> None:
         self.name, self.law, self.shares = name, law, np.asarray(shares, float)
         self.measures = MeasureSet(measures)
-        self.depends_on_velocity = law.damped
+        self.depends_on_velocity, self.varies = law.damped, law.varies
         self.symmetry = "nearly" if law.damped else "symmetric"
         self.f_coords, self.f_scale = self.measures.coords, np.ones(len(self.measures.coords))
         rows, cols = self.measures.rows, self.measures.cols

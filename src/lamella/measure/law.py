@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from lamella.dofs import Motion
+from lamella.math.profile import Constant
 from lamella.roles import Floats
 
 
@@ -20,6 +21,8 @@ class Law(ABC):
 
     damped: bool = False
     """Whether F depends on m'."""
+    varies: bool = False
+    """Whether V depends on time."""
     breakpoints: tuple[float, ...] = ()
     """Times [s] at which F jumps."""
 
@@ -52,6 +55,7 @@ class SpringLaw(Law):
     def __init__(self, stiffness: float, damping: float, rest: Motion, preload: Motion) -> None:
         self.stiffness, self.damping_constant, self.rest, self.preload = stiffness, damping, rest, preload
         self.damped = damping > 0
+        self.varies = not (isinstance(rest, Constant) and isinstance(preload, Constant))
         self.breakpoints = (*rest.breakpoints, *preload.breakpoints)
 
     def force(self, t: float, m: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
