@@ -164,8 +164,9 @@ class _March:
                 for trigger in triggers:
                     if trigger.act is not None:
                         trigger.act()
-                if any(trigger.stops for trigger in triggers):
-                    return Outcome(Cause.EVENT, self.t, self.t_end, self.watch.happened[-1].text)
+                stopping = [trigger.text for trigger in triggers if trigger.stops]
+                if stopping:
+                    return Outcome(Cause.EVENT, self.t, self.t_end, stopping[0])
                 self._restart()
             if adaptive:
                 factor = self._factor(outcome.error)
