@@ -50,6 +50,9 @@ class Happening:
     name: str
     text: str
 
+    def __str__(self) -> str:
+        return f"{self.t:.6g} s, {self.name}: {self.text}"
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from lamella.cli.events import event_lines
 from lamella.errors import ModelFileError
 from lamella.examples import Example, example, examples
 from lamella.io.analysis import mode_table
@@ -61,6 +62,7 @@ def _ignore(text: str) -> None:
 
 
 def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -> None:
+    events: list[str] = []
     table = Table("analysis", "ended", "steps", "Newton iterations", "seconds", header_style="bold")
     for variant, finished in runs.items():
         for item in finished:
@@ -69,11 +71,14 @@ def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -
                 table.add_row(label, f"{len(mode_table(item.computed))} modes", "", "", "")
                 continue
             counts = item.computed.statistics
+            events += [f"{label}: {line}" for line in event_lines(item.computed.outcome)]
             table.add_row(
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"
             )
     console = Console(highlight=False, soft_wrap=True)
     console.print(table)
+    for line in events:
+        console.print(line, markup=False)
     console.print(f"written to {folder}:")
     for path in sorted({path for finished in runs.values() for item in finished for path in item.files} | set(files)):
         if path.is_file():

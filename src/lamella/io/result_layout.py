@@ -15,6 +15,7 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
+from lamella.result import Happening
 from lamella.roles import Floats
 
 Node = Any
@@ -73,6 +74,7 @@ def lay_out(
     _lay_out_signals(root.create_group("signals", track_order=True), signals, axis)
     _lay_out_frames(root.create_group("frames"), axis, n_q)
     root.create_group("statistics")
+    root.create_group("events")
 
 
 def reserve(path: Path, end: int, size: int) -> None:
@@ -159,6 +161,25 @@ def append(dataset: Node, values: Floats) -> None:
 def write_outcome(root: Node, outcome: str, reached: float, target: float, detail: str) -> None:
     """Say at the root how the run ended, or that it is running."""
     root.attrs.update({"outcome": outcome, "reached": float(reached), "target": float(target), "detail": detail})
+
+
+def write_events(group: Node, events: Sequence[Happening]) -> None:
+    """Write what happened in a run: times [s], names and texts; nothing where nothing happened."""
+    import h5py
+
+    if not events:
+        return
+    at = group.create_dataset("time", data=np.array([event.t for event in events]))
+    at.attrs.update(plain({"units": "s", "long_name": "time of the event"}))
+    at.make_scale("time")
+    columns = (
+        ("name", "name of the event", [event.name for event in events]),
+        ("text", "what happened", [event.text for event in events]),
+    )
+    for name, label, texts in columns:
+        dataset = group.create_dataset(name, data=texts, dtype=h5py.string_dtype())
+        dataset.attrs.update(plain({"long_name": label}))
+        dataset.dims[0].attach_scale(at)
 
 
 def origin() -> dict[str, str]:

@@ -8,6 +8,7 @@ spreadsheet read it without this package:
     /signals/component...      names of the components, one dataset for each set of names
     /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
     /statistics/<count>        scalars
+    /events/time, name, text   what happened on the way, if anything did
     attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail
 
 The file is changed in short bursts that end with a flush, so a process killed at any other moment leaves a valid file whose
@@ -26,7 +27,17 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
-from lamella.io.result_layout import append, create_file, lay_out, plain, refuse_other_file, reserve, room_for, write_outcome
+from lamella.io.result_layout import (
+    append,
+    create_file,
+    lay_out,
+    plain,
+    refuse_other_file,
+    reserve,
+    room_for,
+    write_events,
+    write_outcome,
+)
 from lamella.io.stored_result import StoredResult, read_result
 from lamella.result import Outcome, Result, Statistics
 from lamella.roles import Floats
@@ -125,7 +136,8 @@ class ResultWriter:
             with contextlib.ExitStack() as stack:
                 stack.callback(self._close_file)
                 if not self._damaged:
-                    self._burst(lambda: self._write_end(outcome, statistics), _MARGIN // 2)
+                    size = sum(256 + len(event.name) + len(event.text) for event in outcome.events)
+                    self._burst(lambda: self._write_end(outcome, statistics), _MARGIN // 2 + size)
 
     def _burst(self, write: Callable[[], None], size: int) -> None:
         """Reserve ``size`` bytes at the end of the file, change the file and flush it.
@@ -178,6 +190,7 @@ class ResultWriter:
 
     def _write_end(self, outcome: Outcome, statistics: Statistics) -> None:
         write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
+        write_events(self._file["events"], outcome.events)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():
             unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)
