@@ -18,7 +18,7 @@ from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
-from lamella.solve.initial import make_consistent, solve_rates
+from lamella.solve.initial import changes, make_consistent, refuse_locked, solve_rates
 from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 from lamella.system import System
@@ -29,6 +29,8 @@ BEFORE_JUMP = 1e-9
 """Share of the step by which the last one before a jump stays short of it, so that it does not feel what begins there."""
 GROWTH = (0.2, 2.0)
 """Smallest and largest change of the step from one to the next."""
+VIOLATED = 1e-6
+"""Violation of a constraint, relative to the size of the bodies, that is no rounding of the constraints it follows from."""
 KEEP_STEP = 1.2
 """Growth below which a step keeps its size, and with it the factorisation."""
 
@@ -66,6 +68,7 @@ def simulate(
     Raises:
         ConvergenceError: the smallest step did not converge.
         ConstraintError: constraints contradict each other.
+        ModelError: joints lock the system.
     """
     if not t_end > t_start:
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
@@ -78,6 +81,9 @@ def simulate(
         point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
         linear = linear_solver(equations.matrix.pattern, solver)
         make_consistent(equations, point, linear)
+        refuse_locked(equations)
+        given = (model.q0, model.v0) if initial is None else (initial.q, initial.v)
+        start = changes(equations, point, *given)
         statistics.seconds_compile = time.perf_counter() - began
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
@@ -86,7 +92,7 @@ def simulate(
         model.settle(state)
         stepper.restart(point)
         march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
-        outcome = march.run(point.t, state)
+        outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
     result = Result(model, recorder, march.state, outcome, statistics)
@@ -95,6 +101,15 @@ def simulate(
     if not outcome.completed and on_failure == "raise":
         raise ConvergenceError(f"the motion {outcome}", outcome, result)
     return result
+
+
+def _judged(outcome: Outcome, equations: Equations, final: State) -> Outcome:
+    """The outcome, with a word of warning when constraints that were redundant at the start are not at the end."""
+    found = equations.left_out(equations.point_of(final, final.t), VIOLATED) if outcome.completed else ""
+    if not found:
+        return outcome
+    warning = f"left out as redundant in what was a singular position, and violated at the end: {found}"
+    return replace(outcome, detail=f"{outcome.detail}; {warning}" if outcome.detail else warning)
 
 
 class _March:
@@ -164,9 +179,9 @@ class _March:
                 for trigger in triggers:
                     if trigger.act is not None:
                         trigger.act()
-                stopping = [trigger.text for trigger in triggers if trigger.stops]
-                if stopping:
-                    return Outcome(Cause.EVENT, self.t, self.t_end, stopping[0])
+                ending = [trigger.text for trigger in triggers if trigger.stops]
+                if ending:
+                    return Outcome(Cause.EVENT, self.t, self.t_end, ending[0])
                 self._restart()
             if adaptive:
                 factor = self._factor(outcome.error)

@@ -51,7 +51,41 @@ class Happening:
     text: str
 
     def __str__(self) -> str:
-        return f"{self.t:.6g} s, {self.name}: {self.text}"
+        return f"{self.t:.6g} s: {self.name}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Start:
+    """What had to be changed in the initial state so that it obeys supports and joints.
+
+    Args:
+        displacement: largest change of a position [m].
+        turn: largest change of a direction, a slope or an axis [rad].
+        velocity: largest change of the velocity of a position [m/s].
+        spin: largest change of the rate of a direction [rad/s].
+        where: what changed by these four, in words; empty where the change is rounding.
+        left_out: what was left out as redundant, in words.
+    """
+
+    displacement: float = 0.0
+    turn: float = 0.0
+    velocity: float = 0.0
+    spin: float = 0.0
+    where: tuple[str, str, str, str] = ("", "", "", "")
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know, in sentences; empty when the state was consistent as given."""
+        numbers = (self.displacement, self.turn, self.velocity, self.spin)
+        units = ("m", "rad", "m/s", "rad/s")
+        said = [f"{x:.2g} {unit} ({place})" if place else "" for x, unit, place in zip(numbers, units, self.where, strict=True)]
+        found = []
+        for kind, parts in (("positions", said[:2]), ("velocities", said[2:])):
+            if any(parts):
+                changes = " and ".join(part for part in parts if part)
+                found.append(f"the initial {kind} were changed to obey supports and joints, by up to {changes}")
+        return (*found, *self.left_out)
 
 
 @dataclass(frozen=True)
@@ -64,6 +98,7 @@ class Outcome:
         target: time or load factor asked for.
         detail: a sentence with numbers; on completion empty, or a warning.
         events: what happened on the way, in time order.
+        start: what was changed in the initial state.
     """
 
     cause: Cause
@@ -71,6 +106,7 @@ class Outcome:
     target: float
     detail: str = ""
     events: tuple[Happening, ...] = ()
+    start: Start = Start()
 
     @property
     def completed(self) -> bool:
@@ -189,6 +225,16 @@ class Result:
         self.frame_q, self.frame_v = np.asarray(recorder.frame_q), np.asarray(recorder.frame_v)
         columns = list(zip(*recorder.values, strict=True)) or [()] * len(self.signals)
         self._values = {name: np.asarray(column) for name, column in zip(self.signals, columns, strict=True)}
+
+    @property
+    def events(self) -> tuple[Happening, ...]:
+        """What happened on the way, each with ``t`` [s], ``name`` and ``text``, in time order."""
+        return self.outcome.events
+
+    @property
+    def start(self) -> Start:
+        """What was changed in the initial state so that it obeys supports and joints."""
+        return self.outcome.start
 
     def __contains__(self, name: str) -> bool:
         return name in self.signals

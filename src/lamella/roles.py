@@ -96,6 +96,11 @@ class ForceBlock(ABC):
         """Power turned into heat [W]."""
         return 0.0
 
+    @property
+    def depends_on_time_alone(self) -> bool:
+        """Whether its force is the same for all states at one time, so that it is evaluated once for each time."""
+        return not len(self.k_rows) and not self.depends_on_velocity
+
     def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
         """Take note of an accepted configuration (rule 7)."""
 

@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.assembly.equations import Equations
+from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
@@ -144,8 +145,16 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return sum(block.energy(state.t, state.q) for block in model.forces)
 
     def heat(state: State) -> tuple[Floats, Floats]:
-        power = sum(block.dissipation(state.t, state.q, state.v) for block in damped)
-        return np.array([power]), np.array([state.t])
+        """Damping forces, those with velocities less those without, and the coordinates on which they work.
+
+        A damper that relaxes within a step does the work of its mean force on the little way that is left, not its first power
+        for half the step.
+        """
+        moving = dampers(state.t, state.q, state.v).copy()
+        return moving - dampers(state.t, state.q, at_rest), state.q
+
+    def power(state: State) -> float:
+        return sum(block.dissipation(state.t, state.q, state.v) for block in damped)
 
     def nothing(state: State) -> float:
         return 0.0
@@ -159,6 +168,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
         )
     )
     supports = along_motions if moves else nothing
+    dampers, at_rest = ForceSum(damped, model.n_q), np.zeros(model.n_q)
     dissipated = WorkMeter(heat) if damped else nothing
     last: dict[str, float] = {}
 
@@ -180,5 +190,6 @@ def energy_signals(equations: Equations) -> list[Signal]:
         Signal("work.loads", "J", (), kept("loads", loads), "work of the loads"),
         Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports and drives"),
         Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping"),
+        Signal("power.dissipated", "W", (), power, "power turned into heat by damping"),
         Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution"),
     ]

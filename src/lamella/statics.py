@@ -10,12 +10,14 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
-from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
+from lamella.errors import ConstraintError, ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.solve.arc_length import ArcLength
+from lamella.solve.base import LinearSolver
+from lamella.solve.initial import changes, project_positions, refuse_contradiction
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
 from lamella.system import System
@@ -60,6 +62,7 @@ def equilibrium(
     Raises:
         ConvergenceError: the load cannot be carried, or a limit point was met; :func:`equilibrium_path` passes those.
         ModelError: nothing holds the system.
+        ConstraintError: constraints contradict each other.
     """
     factors = _checked_steps(steps)
     with compilation_notice(progress):
@@ -146,16 +149,29 @@ class _Run:
     def __init__(self, system: System | Model, t: float, newton: Newton, solver: Method, *, single: bool = True) -> None:
         self.began = time.perf_counter()
         self.model = system.compile() if isinstance(system, System) else system
+        self.model.reset()
         if not self.model.rows and not self.model.constraints:
             raise ModelError(
                 "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
             )
-        self.model.reset()
         self.equations, self.statistics = Equations(self.model), Statistics()
         linear = linear_solver(self.equations.matrix.pattern, solver)
         self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
         self.point = self.equations.start(t, factor=0.0, at_rest=True)
+        self._make_consistent(linear)
         self.axis = "load_factor" if single else "path"
+
+    def _make_consistent(self, linear: LinearSolver) -> None:
+        """Meet the constraints by the smallest deformation, and keep what that changed."""
+        trial = self.point.copy()
+        try:
+            project_positions(self.equations, trial, linear, STATIC)
+            self.point = trial
+        except (ConstraintError, SingularSystemError):
+            pass  # Newton's method meets the same with its load steps and line search, and says what is free
+        if not self.equations.elimination.moves:  # which are scaled by the load factor, 0 here
+            refuse_contradiction(self.equations, self.point, rates=False)
+        self.start = changes(self.equations, self.point, self.model.q0, np.zeros(self.model.n_q))
 
     def open(self, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
         """Prepare to record, from the unloaded state on."""
@@ -199,7 +215,7 @@ class _Run:
 
     def close(self, outcome: Outcome, on_failure: str) -> Result:
         """End the recording and give the result, or raise."""
-        outcome = self.judged(outcome)
+        outcome = replace(self.judged(outcome), start=self.start)
         self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
         self.recorder.close(outcome, self.statistics)
         result = Result(self.model, self.recorder, self.state, outcome, self.statistics)

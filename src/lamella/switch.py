@@ -19,6 +19,11 @@ class SwitchedForce(ForceBlock):
         self.f_coords, self.f_scale = block.f_coords, block.f_scale
         self.k_rows, self.k_cols, self.k_scale = block.k_rows, block.k_cols, block.k_scale
 
+    @property
+    def depends_on_time_alone(self) -> bool:
+        """False: at the moment of switching the force has two values."""
+        return False
+
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         if self.on:
             self.block.force(t, q, v, f)

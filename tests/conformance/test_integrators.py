@@ -18,6 +18,9 @@ INTEGRATORS = {
     "generalised-alpha 1.0": lambda dt, **k: lm.GeneralizedAlpha(dt=dt, rho_inf=1.0, newton=lm.Newton(tolerance=1e-12), **k),
     "generalised-alpha 0.8": lambda dt, **k: lm.GeneralizedAlpha(dt=dt, rho_inf=0.8, newton=lm.Newton(tolerance=1e-12), **k),
     "generalised-alpha 0.0": lambda dt, **k: lm.GeneralizedAlpha(dt=dt, rho_inf=0.0, newton=lm.Newton(tolerance=1e-12), **k),
+    "stabilised generalised-alpha 0.8": lambda dt, **k: lm.GeneralizedAlpha(
+        dt=dt, rho_inf=0.8, newton=lm.Newton(tolerance=1e-12), stabilised=True, **k
+    ),
 }
 each = pytest.mark.parametrize("make", INTEGRATORS.values(), ids=INTEGRATORS.keys())
 

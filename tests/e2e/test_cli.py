@@ -88,6 +88,31 @@ def test_run_leaves_results_pictures_and_report(lamella, model: Path, tmp_path: 
     assert 'src="http' not in report
 
 
+THROWN = """\
+lamella: 1
+system:
+  ground: {type: ground, markers: {peg: [0, 0, 1 m]}}
+  ball: {type: rigid_body, mass: 1 kg, inertia: [0.1, 0.1, 0.1], velocity: [0.3, 0, 1], markers: {eye: [0, 0, 0]}}
+  rod: {type: distance_joint, a: ground.peg, b: ball.eye}
+  far: {type: event, watch: ball.position, component: x, value: 0.001, action: stop}
+analysis:
+  swing: {type: motion, t_end: 5 ms}
+output: {pictures: false, animation: false, report: false, paraview: false, csv: false}
+"""
+
+
+def test_a_start_that_had_to_be_changed_and_events_are_told(here, tmp_path: Path) -> None:
+    (tmp_path / "thrown.yaml").write_text(THROWN)
+    event = "0.00333333 s: far: stop: x of ball.position passes 0.001"  # 1 mm at 0.3 m/s
+    note = "the initial velocities were changed to obey supports and joints, by up to 1 m/s (the position of rigid body 'ball')"
+    said = here("run", "thrown.yaml", "--out", "out").stdout
+    assert f"swing: {note}" in said
+    assert f"swing: {event}" in said
+    said = here("info", "out").stdout
+    assert note in said
+    assert event in said
+
+
 def test_several_analyses_have_folders_of_their_own(lamella, tmp_path: Path) -> None:
     assert lamella("new", "bent", "--template", "statics").returncode == 0
     done = lamella("run", "bent.yaml", "--out", "out", "--no-pictures", "--quiet")

@@ -61,6 +61,10 @@ class ConstraintStack:
             block.phi(t, q, out[part])
         return out
 
+    def rate_of_all(self, t: float, q: Floats, v: Floats) -> Floats:
+        """Phi_q v + Phi_t of all rows, shape (n_all,)."""
+        return self._times(t, q, v) + self._phi_t(t, q)
+
     def matrix(self, t: float, q: Floats) -> sparse.csr_array:
         """Phi_q of all rows, shape (n_all, n_q)."""
         found = [(part.start + block.j_rows, block.j_cols, values) for block, part, values in self._jacobians(t, q)]
@@ -71,10 +75,7 @@ class ConstraintStack:
 
     def phi_t(self, t: float, q: Floats) -> Floats:
         """Partial derivative by time, shape (n_lam,)."""
-        out = np.zeros(self.n_all)
-        for block, part in self.blocks:
-            block.phi_t(t, q, out[part])
-        return out[self.kept]
+        return self._phi_t(t, q)[self.kept]
 
     def gamma(self, t: float, q: Floats, v: Floats) -> Floats:
         """(Phi_q v)_q v + 2 Phi_qt v + Phi_tt, shape (n_lam,)."""
@@ -85,16 +86,25 @@ class ConstraintStack:
 
     def times(self, t: float, q: Floats, x: Floats) -> Floats:
         """Phi_q x, shape (n_lam,)."""
-        out = np.zeros(self.n_all)
-        for block, part, values in self._jacobians(t, q):
-            np.add.at(out[part], block.j_rows, values * x[block.j_cols])
-        return out[self.kept]
+        return self._times(t, q, x)[self.kept]
 
     def add_force(self, t: float, q: Floats, lam: Floats, total: Floats) -> None:
         """Add Phi_q^T lam to ``total`` (n_q,)."""
         every = self.full(lam)
         for block, part, values in self._jacobians(t, q):
             np.add.at(total, block.j_cols, values * every[part][block.j_rows])
+
+    def _phi_t(self, t: float, q: Floats) -> Floats:
+        out = np.zeros(self.n_all)
+        for block, part in self.blocks:
+            block.phi_t(t, q, out[part])
+        return out
+
+    def _times(self, t: float, q: Floats, x: Floats) -> Floats:
+        out = np.zeros(self.n_all)
+        for block, part, values in self._jacobians(t, q):
+            np.add.at(out[part], block.j_rows, values * x[block.j_cols])
+        return out
 
     def _jacobians(self, t: float, q: Floats) -> Iterator[tuple[ConstraintBlock, slice, Floats]]:
         for block, part in self.blocks:

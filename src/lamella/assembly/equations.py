@@ -10,7 +10,7 @@ from scipy import sparse
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
-from lamella.assembly.independence import described, independent_rows
+from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, mass_operator
 from lamella.assembly.point import Point, Weights
@@ -39,6 +39,8 @@ class Equations:
         self.constraints = ConstraintStack(model.constraints)
         self.notes: list[str] = []
         """What the user should know about the equations."""
+        self.redundant: tuple[Redundancy, ...] = ()
+        """Rows of joints that are left out."""
         blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
@@ -47,6 +49,7 @@ class Equations:
         self._inertia = mass_operator(sparse.csr_array(T.T @ model.mass @ T))
         self._at_rest = np.zeros(model.n_q)
         self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
+        self._row_size = np.zeros(0)
         if self.constraints.n_all:
             self._keep_independent()
 
@@ -68,8 +71,9 @@ class Equations:
         """
         zero = np.zeros(self.n_u)
         start = Point(0.0, self.model.q0[self.elimination.independent].copy(), zero, zero, np.zeros(0))
-        reduced = sparse.csr_array(self.constraints.matrix(0.0, self.coordinates(start)) @ self.elimination.T)
-        jacobian = reduced.toarray() * self.magnitude
+        matrix = self.constraints.matrix(0.0, self.coordinates(start))
+        self._row_size = np.sqrt(matrix.power(2) @ self.model.magnitude**2)
+        jacobian = sparse.csr_array(matrix @ self.elimination.T).toarray() * self.magnitude
         kept, redundant = independent_rows(jacobian, self.constraints.of_bodies)
         if redundant:
             found = described(redundant, self.constraints.labels)
@@ -79,6 +83,7 @@ class Equations:
                     "line) or let the system drop what is redundant; a mechanism in a singular position shows the same"
                 )
             self.notes.append(f"left out as redundant: {found}")
+            self.redundant = tuple(redundant)
         self.constraints.kept = kept
 
     @cached_property
@@ -140,10 +145,49 @@ class Equations:
         r, phi = self._reduced(point, q)
         return r, phi, k, j
 
+    def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
+        """Rows left out as redundant that are violated after all, in words; empty when there is none.
+
+        Args:
+            point: where.
+            tolerance: relative violation allowed: of positions to the size of the bodies, of velocities to the fastest or 1/s.
+            rates: look at velocities as well.
+        """
+        if not self.redundant:
+            return ""
+        q = self.coordinates(point)
+        violations = {"": self.constraints.phi_of_all(point.t, q) / self._row_size}
+        if rates:
+            v = self.velocities(point)
+            fastest = max(1.0, float(np.max(np.abs(v) / self.model.magnitude)))
+            violations[" in velocity"] = self.constraints.rate_of_all(point.t, q, v) / (fastest * self._row_size)
+        labels, found = self.constraints.labels, []
+        for item in self.redundant:
+            others = ", ".join(labels[k] for k in item.repeats) or "the bodies"
+            sizes = [(abs(phi[item.row]), kind) for kind, phi in violations.items() if abs(phi[item.row]) > tolerance]
+            found += [f"{labels[item.row]} against {others}{kind} (by {size:.2g} of their size)" for size, kind in sizes[:1]]
+        return "; ".join(found)
+
+    def jacobian(self, point: Point) -> sparse.csr_array:
+        """Phi_q T, shape (n_lam, n_u)."""
+        return self.matrix.pattern.jacobian(self.matrix.jacobian(point.t, self.coordinates(point)))
+
+    def position_violation(self, point: Point) -> Floats:
+        """Phi, shape (n_lam,)."""
+        return self.constraints.phi(point.t, self.coordinates(point))
+
     def velocity_violation(self, point: Point) -> Floats:
         """Phi_q v + Phi_t, shape (n_lam,)."""
         q = self.coordinates(point)
         return self.constraints.times(point.t, q, self.velocities(point)) + self.constraints.phi_t(point.t, q)
+
+    def relative(self, phi: Floats) -> float:
+        """Largest value of Phi, each relative to what a change of all coordinates by their magnitudes adds to its row."""
+        return float(np.max(np.abs(phi) / self._row_size[self.constraints.kept], initial=0.0))
+
+    def violation(self, point: Point) -> float:
+        """Largest violation of a constraint, relative to the size of the bodies."""
+        return self.relative(self.position_violation(point)) if self.n_lam else 0.0
 
     def acceleration_rest(self, point: Point) -> Floats:
         """gamma plus Phi_q times the accelerations of moving supports, so that Phi_q T udd = -rest, shape (n_lam,)."""
@@ -189,9 +233,7 @@ class Equations:
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""
-        r = self.forces.reduced()
-        if self.loads.parts:
-            r += point.factor * self.loads.reduced()
+        r = self.forces.reduced() + point.factor * self.loads.reduced()
         if not point.at_rest:
             r += self._inertia(point.udd)
             if self._held is None:

@@ -15,7 +15,7 @@ from lamella.roles import Floats, ForceBlock
 class ForceSum:
     """f(t, q, v) of some blocks: each writes a part of one buffer, which is summed at once.
 
-    Blocks that depend on time alone are evaluated once for each time.
+    Blocks that depend on time alone are evaluated once for each time, and when all do, so are their sums.
 
     Args:
         blocks: the blocks.
@@ -27,8 +27,10 @@ class ForceSum:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)
         self.buffer = np.zeros(int(ends[-1]) if blocks else 0)
         self.parts = [(block, self.buffer[end - len(block.f_coords) : end]) for block, end in zip(blocks, ends, strict=True)]
-        self._changing = [(block, part) for block, part in self.parts if len(block.k_rows) or block.depends_on_velocity]
+        self._changing = [(block, part) for block, part in self.parts if not block.depends_on_time_alone]
         self._t = np.nan
+        self._in_all: Floats | None = None
+        self._in_independent: Floats | None = None
         coords = np.concatenate([np.zeros(0, np.int64), *(block.f_coords for block in blocks)])
         factors = np.concatenate([np.zeros(0), *(block.f_scale for block in blocks)])
         used = np.flatnonzero(coords >= 0)
@@ -38,9 +40,11 @@ class ForceSum:
 
     def evaluate(self, t: float, q: Floats, v: Floats) -> None:
         """Let all blocks write their parts of the buffer."""
-        for block, part in self._changing if t == self._t else self.parts:
-            block.force(t, q, v, part)
-        self._t = t
+        changing = self._changing if t == self._t else self.parts
+        if changing:
+            for block, part in changing:
+                block.force(t, q, v, part)
+            self._filled(t)
 
     def linearise(self, t: float, q: Floats, v: Floats, weights: Weights, previous: Floats, tangents: Sequence[Floats]) -> None:
         """Let all blocks write their parts of the buffer, and alpha_q K + alpha_v D to their buffers in ``tangents``.
@@ -53,7 +57,10 @@ class ForceSum:
         """
         for (block, part), k in zip(self.parts, tangents, strict=True):
             block.force_tangent(t, q, v, weights.alpha_q, weights.alpha_v, previous, part, k)
-        self._t = t
+        self._filled(t)
+
+    def _filled(self, t: float) -> None:
+        self._t, self._in_all, self._in_independent = t, None, None
 
     def __call__(self, t: float, q: Floats, v: Floats) -> Floats:
         """Evaluate all blocks, shape (n_q,)."""
@@ -61,9 +68,13 @@ class ForceSum:
         return self.summed()
 
     def summed(self) -> Floats:
-        """The sum of what the buffer holds now, shape (n_q,)."""
-        return self._sum(self.buffer)
+        """The sum of what the buffer holds now, shape (n_q,); not to be written to."""
+        if self._in_all is None:
+            self._in_all = self._sum(self.buffer)
+        return self._in_all
 
     def reduced(self) -> Floats:
-        """T^T times the sum of what the buffer holds now, shape (n_u,)."""
-        return self._reduce(self.buffer)
+        """T^T times the sum of what the buffer holds now, shape (n_u,); not to be written to."""
+        if self._in_independent is None:
+            self._in_independent = self._reduce(self.buffer)
+        return self._in_independent

@@ -118,14 +118,19 @@ class MatrixAssembly:
             for k in self.parts[n_forces:n_blocks]:
                 k *= point.factor
         lam = self.constraints.full(point.lam)
-        for block, j, k in zip(self.model.constraints, self.j_parts, self.parts[n_blocks:], strict=True):
+        for block, k in zip(self.model.constraints, self.parts[n_blocks:], strict=True):
             block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
             k *= weights.alpha_q
-            block.jacobian(point.t, q, j)
         data = self._sum.into(self.buffer, self._values)
         if weights.alpha_a:
             data += weights.alpha_a * self.mass
-        return data, self._j_sum(self.j_buffer)
+        return data, self.jacobian(point.t, q)
+
+    def jacobian(self, t: float, q: Floats) -> Floats:
+        """Values of Phi_q T in the pattern's order."""
+        for block, j in zip(self.model.constraints, self.j_parts, strict=True):
+            block.jacobian(t, q, j)
+        return self._j_sum(self.j_buffer)
 
 
 def _shifted(entries: Entries, start: int) -> Entries:

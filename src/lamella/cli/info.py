@@ -9,7 +9,6 @@ import numpy as np
 from rich.console import Console
 from rich.table import Column, Table
 
-from lamella.cli.events import event_lines
 from lamella.errors import ModelFileError
 from lamella.io.analysis import Analysis
 from lamella.io.annotation import tag_of
@@ -51,8 +50,8 @@ def info_command(path: Path) -> None:
 def _show_result(console: Console, result: Result) -> None:
     samples, frames = len(result.at), len(result.frame_at)
     console.print(f"{result.outcome}; {samples} samples over {result.axis}, {frames} frames")
-    for line in event_lines(result.outcome):
-        console.print(f"  {line}", markup=False)
+    for note in (*result.start.notes, *result.events):
+        console.print(str(note), markup=False)
     done = {name: value for name, value in result.statistics.as_dict().items() if value}
     console.print(", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in done.items()))
     columns = [

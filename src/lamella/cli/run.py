@@ -8,7 +8,6 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from lamella.cli.events import event_lines
 from lamella.errors import ModelFileError
 from lamella.examples import Example, example, examples
 from lamella.io.analysis import mode_table
@@ -62,23 +61,23 @@ def _ignore(text: str) -> None:
 
 
 def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -> None:
-    events: list[str] = []
     table = Table("analysis", "ended", "steps", "Newton iterations", "seconds", header_style="bold")
+    notes: list[tuple[str, str]] = []
     for variant, finished in runs.items():
         for item in finished:
             label = f"{variant} {item.analysis.name}".strip()
             if isinstance(item.computed, Modes):
                 table.add_row(label, f"{len(mode_table(item.computed))} modes", "", "", "")
                 continue
+            notes += [(label, str(note)) for note in (*item.computed.start.notes, *item.computed.events)]
             counts = item.computed.statistics
-            events += [f"{label}: {line}" for line in event_lines(item.computed.outcome)]
             table.add_row(
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"
             )
     console = Console(highlight=False, soft_wrap=True)
     console.print(table)
-    for line in events:
-        console.print(line, markup=False)
+    for label, note in notes:
+        console.print(f"{label}: {note}", markup=False)
     console.print(f"written to {folder}:")
     for path in sorted({path for finished in runs.values() for item in finished for path in item.files} | set(files)):
         if path.is_file():

@@ -123,17 +123,17 @@ class EventWatch:
 
     def _accept(self, outcome: StepOutcome, dt: float, t: float) -> list[Trigger]:
         """Note what happens in a step that will be accepted; returns the triggers that act at its end."""
-        acting, happened = [], []
+        acting, noted = [], []
         for item, value in zip(self._watched, self._values(outcome), strict=True):
             if item.crosses(value):
                 changes = _changes(item.trigger)
                 share = 1.0 if changes else item.share(value)
-                happened.append(Happening(t + share * dt, item.trigger.name, item.trigger.text))
+                noted.append(Happening(t + share * dt, item.trigger.name, item.trigger.text))
                 item.open = not item.trigger.once
                 if changes:
                     acting.append(item.trigger)
             item.keep(value)
-        self.happened.extend(sorted(happened, key=lambda happening: happening.t))
+        self.happened += sorted(noted, key=lambda happening: happening.t)
         return acting
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
-from lamella.result import Happening
+from lamella.result import Happening, Start
 from lamella.roles import Floats
 
 Node = Any
@@ -163,23 +163,47 @@ def write_outcome(root: Node, outcome: str, reached: float, target: float, detai
     root.attrs.update({"outcome": outcome, "reached": float(reached), "target": float(target), "detail": detail})
 
 
+CHANGES = ("displacement", "turn", "velocity", "spin")
+
+
+def write_start(root: Node, start: Start) -> None:
+    """Say at the root what was changed in the initial state."""
+    for name in CHANGES:
+        root.attrs[f"start_{name}"] = float(getattr(start, name))
+    root.attrs.update(plain({"start_where": "\n".join(start.where), "start_left_out": "\n".join(start.left_out)}))
+
+
+def read_start(attributes: Mapping[str, object]) -> Start:
+    """What :func:`write_start` wrote; nothing changed when it wrote nothing."""
+    if "start_where" not in attributes:
+        return Start()
+    displacement, turn, velocity, spin = (float(str(attributes[f"start_{name}"])) for name in CHANGES)
+    displaced, turned, quickened, spun = str(attributes["start_where"]).split("\n")
+    left_out = tuple(line for line in str(attributes["start_left_out"]).split("\n") if line)
+    return Start(displacement, turn, velocity, spin, (displaced, turned, quickened, spun), left_out)
+
+
 def write_events(group: Node, events: Sequence[Happening]) -> None:
-    """Write what happened in a run: times [s], names and texts; nothing where nothing happened."""
+    """Write when which events happened."""
     import h5py
 
-    if not events:
-        return
-    at = group.create_dataset("time", data=np.array([event.t for event in events]))
+    at = group.create_dataset("time", data=[event.t for event in events], dtype="f8")
     at.attrs.update(plain({"units": "s", "long_name": "time of the event"}))
     at.make_scale("time")
-    columns = (
-        ("name", "name of the event", [event.name for event in events]),
-        ("text", "what happened", [event.text for event in events]),
-    )
-    for name, label, texts in columns:
-        dataset = group.create_dataset(name, data=texts, dtype=h5py.string_dtype())
+    for name, label in (("name", "name of the event or latch"), ("text", "what happened")):
+        words = [getattr(event, name).replace("\x00", "") for event in events]
+        dataset = group.create_dataset(name, (len(words),), h5py.string_dtype(), data=words or None)
         dataset.attrs.update(plain({"long_name": label}))
         dataset.dims[0].attach_scale(at)
+
+
+def read_events(root: Node) -> tuple[Happening, ...]:
+    """What :func:`write_events` wrote; nothing where the run was not closed."""
+    group = root.get("events", {})
+    if "time" not in group:
+        return ()
+    columns = group["time"][()].tolist(), group["name"].asstr()[()].tolist(), group["text"].asstr()[()].tolist()
+    return tuple(Happening(t, name, text) for t, name, text in zip(*columns, strict=True))
 
 
 def origin() -> dict[str, str]:

@@ -8,8 +8,9 @@ spreadsheet read it without this package:
     /signals/component...      names of the components, one dataset for each set of names
     /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
     /statistics/<count>        scalars
-    /events/time, name, text   what happened on the way, if anything did
-    attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail
+    /events/time, name, text   when which events happened, (event,)
+    attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail,
+                               start_displacement, start_turn, start_velocity, start_spin, start_where, start_left_out
 
 The file is changed in short bursts that end with a flush, so a process killed at any other moment leaves a valid file whose
 attribute ``outcome`` still says ``running``.
@@ -37,6 +38,7 @@ from lamella.io.result_layout import (
     room_for,
     write_events,
     write_outcome,
+    write_start,
 )
 from lamella.io.stored_result import StoredResult, read_result
 from lamella.result import Outcome, Result, Statistics
@@ -136,8 +138,8 @@ class ResultWriter:
             with contextlib.ExitStack() as stack:
                 stack.callback(self._close_file)
                 if not self._damaged:
-                    size = sum(256 + len(event.name) + len(event.text) for event in outcome.events)
-                    self._burst(lambda: self._write_end(outcome, statistics), _MARGIN // 2 + size)
+                    size = _MARGIN // 2 + sum(64 + len(event.name) + len(event.text) for event in outcome.events)
+                    self._burst(lambda: self._write_end(outcome, statistics), size)
 
     def _burst(self, write: Callable[[], None], size: int) -> None:
         """Reserve ``size`` bytes at the end of the file, change the file and flush it.
@@ -190,6 +192,7 @@ class ResultWriter:
 
     def _write_end(self, outcome: Outcome, statistics: Statistics) -> None:
         write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
+        write_start(self._file, outcome.start)
         write_events(self._file["events"], outcome.events)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():

@@ -9,7 +9,7 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
-from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5
+from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5, read_events, read_start
 from lamella.result import Cause, Happening, Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
@@ -33,7 +33,7 @@ class StoredResult(Result):
         self.path, self.attributes = path, {name: _plain(value) for name, value in file.attrs.items()}
         self.axis, self.title, self.model_text = (str(self.attributes[name]) for name in ("axis", "title", "model"))
         self.model_missing = str(self.attributes.get("model_missing", ""))
-        self.outcome, self.statistics = _outcome(self.attributes, file), _statistics(file["statistics"])
+        self.outcome, self.statistics = _outcome(self.attributes, read_events(file)), _statistics(file["statistics"])
         group, frames = file["signals"], file["frames"]
         self.at: Floats = group[self.axis][()]
         names = [name for name in group if not group[name].is_scale]
@@ -98,20 +98,12 @@ def read_result(path: str | Path) -> StoredResult:
         raise ResultFileError(f"result file '{path}' is damaged or cannot be read: {error}") from error
 
 
-def _outcome(attributes: dict[str, object], file: Node) -> Outcome:
+def _outcome(attributes: dict[str, object], events: tuple[Happening, ...]) -> Outcome:
     name, reached, target = (attributes[key] for key in ("outcome", "reached", "target"))
     numbers = float(str(reached)), float(str(target))
     if name == "running":
         return Outcome(Cause.INTERRUPTED, *numbers, "the file was not closed: the run was killed or is still going on")
-    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), _events(file.get("events", {})))
-
-
-def _events(group: Node) -> tuple[Happening, ...]:
-    """What happened; files of runs without events, and earlier ones, hold nothing of it."""
-    if "time" not in group:
-        return ()
-    columns = group["time"][()], group["name"].asstr()[()], group["text"].asstr()[()]
-    return tuple(Happening(float(t), str(name), str(text)) for t, name, text in zip(*columns, strict=True))
+    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), events, read_start(attributes))
 
 
 def _statistics(group: Node) -> Statistics:

@@ -21,7 +21,7 @@ class Event(Declaration):
     """When a recorded signal passes through a value, the run ends, a force or latch changes, or the time is noted.
 
     The moment is found to a millionth of the step; the step ends there and the next begins with accelerations solved for anew.
-    The result lists what happened in ``result.outcome.events``.
+    The result lists what happened in ``result.events``.
 
     Args:
         name: unique name.

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
-from lamella.errors import ConstraintError, SingularSystemError
+from lamella.errors import ConstraintError, ModelError, SingularSystemError
+from lamella.result import Start
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 
 MASS_ONLY = Weights(alpha_q=0.0, alpha_v=0.0, alpha_a=1.0)
 
 
-@dataclass(frozen=True)
-class Projection:
-    """Largest change of a coordinate and of a velocity, relative to the size of the body, that made the start consistent."""
-
-    position: float
-    velocity: float
+ROUNDING = 1e-9
+"""Changes of the initial state below this share of the size of the body (and per second, or of the fastest) are rounding."""
+CONTRADICTION = 1e-8
+"""Violation of a redundant row, as a share of the size of the bodies, beyond which it contradicts the rows it follows from."""
 
 
-def make_consistent(equations: Equations, point: Point, linear: LinearSolver) -> Projection:
+def make_consistent(equations: Equations, point: Point, linear: LinearSolver) -> None:
     """Project ``point`` onto the constraints in the metric of the mass matrix, then solve for accelerations and multipliers.
 
         M dq + Phi_q^T kappa = 0,  Phi_q dq = -Phi                positions, repeated until Phi vanishes
@@ -31,26 +28,78 @@ def make_consistent(equations: Equations, point: Point, linear: LinearSolver) ->
         M a + Phi_q^T lam = -f,    Phi_q a = -gamma               accelerations
 
     Raises:
-        ConstraintError: the constraints cannot be met from here.
+        ConstraintError: the constraints cannot be met from here, or contradict each other.
     """
-    before = point.u.copy()
-    if equations.n_lam:
-        for attempt in range(20):
-            phi = equations.residual(point)[1]
-            if np.abs(phi).max() < 1e-12 * equations.magnitude.max():
-                break
-            try:
-                _factorise_mass(equations, point, linear)
-            except SingularSystemError as error:
-                if attempt == 0:
-                    raise
-                raise _out_of_reach(phi) from error  # what was regular at the start became singular far away from it
-            point.u += linear.solve(np.zeros(equations.n_u), -phi)[0]
-        else:
-            raise _out_of_reach(equations.residual(point)[1])
-    moved = float(np.max(np.abs(point.u - before) / equations.magnitude, initial=0.0))
-    turned = solve_rates(equations, point, linear)
-    return Projection(moved, turned)
+    project_positions(equations, point, linear, MASS_ONLY)
+    solve_rates(equations, point, linear)
+    refuse_contradiction(equations, point, rates=True)
+
+
+def refuse_contradiction(equations: Equations, point: Point, *, rates: bool) -> None:
+    """Refuse rows that were left out as redundant and do not follow from the others: their directions agree, not their values.
+
+    Raises:
+        ConstraintError: there are such rows; they are named.
+    """
+    found = equations.left_out(point, CONTRADICTION, rates=rates)
+    if found:
+        raise ConstraintError(f"contradictory: {found}; remove one of them or let them ask for the same")
+
+
+def project_positions(equations: Equations, point: Point, linear: LinearSolver, metric: Weights) -> None:
+    """Move ``point`` onto the constraints by the smallest change in a metric: the mass matrix, or the stiffness in statics.
+
+    Raises:
+        ConstraintError: the constraints cannot be met from here.
+        SingularSystemError: the metric is singular on what the constraints leave free.
+    """
+    if not equations.n_lam:
+        return
+    for attempt in range(20):
+        phi = equations.position_violation(point)
+        if np.abs(phi).max() < 1e-12 * equations.magnitude.max():
+            return
+        try:
+            _factorise(equations, point, linear, metric)
+        except SingularSystemError as error:
+            if attempt == 0:
+                raise
+            raise _out_of_reach(phi) from error  # what was regular at the start became singular far away from it
+        point.u += linear.solve(np.zeros(equations.n_u), -phi)[0]
+    raise _out_of_reach(equations.position_violation(point))
+
+
+def changes(equations: Equations, point: Point, q: Floats, v: Floats) -> Start:
+    """How a consistent point differs from the coordinates and velocities that were given, those of supports included."""
+    model = equations.model
+    size, count = model.magnitude.reshape(-1, 3).max(axis=1), len(model.is_position)
+    fastest = max(1.0, float(np.max(np.abs(v) / model.magnitude)))
+    numbers, where = [], []
+    for new, old, scale in ((equations.coordinates(point), q, 1.0), (equations.velocities(point), v, fastest)):
+        moved = np.linalg.norm((new - old).reshape(count, 3), axis=1)
+        for chosen in (model.is_position, ~model.is_position):
+            change = np.where(chosen, moved, 0.0)
+            largest = int(np.argmax(change))
+            numbers.append(float(change[largest]))
+            told = np.max(change / size) > ROUNDING * scale
+            where.append(model.describe(3 * largest).removeprefix("x of ") if told else "")
+    return Start(*numbers, where=(where[0], where[1], where[2], where[3]), left_out=tuple(equations.notes))
+
+
+def refuse_locked(equations: Equations) -> None:
+    """Refuse a system that has no mobility and that nothing drives.
+
+    Raises:
+        ModelError: joints lock it; they are named.
+    """
+    if equations.mobility > 0 or equations.elimination.moves or equations.constraints.moves:
+        return
+    own = {"joints", "bodies"}  # blocks of rows from many items
+    names = [support.name for support in equations.model.supports]
+    names += [block.name for block in equations.model.constraints if block.name not in own]
+    raise ModelError(
+        f"the system is locked by its joints, nothing can move: {', '.join(names)}; leave something free or drive it"
+    )
 
 
 def _out_of_reach(phi: Floats) -> ConstraintError:
@@ -59,24 +108,22 @@ def _out_of_reach(phi: Floats) -> ConstraintError:
     )
 
 
-def solve_rates(equations: Equations, point: Point, linear: LinearSolver) -> float:
-    """Velocities that obey the constraints, and the accelerations and multipliers that follow; gives the change of velocity."""
-    _factorise_mass(equations, point, linear)
-    change = 0.0
+def solve_rates(equations: Equations, point: Point, linear: LinearSolver) -> None:
+    """Velocities that obey the constraints, and the accelerations and multipliers that follow."""
+    _factorise(equations, point, linear, MASS_ONLY)
     if equations.n_lam:
-        dv, _ = linear.solve(np.zeros(equations.n_u), -equations.velocity_violation(point))
-        point.ud += dv
-        change = float(np.max(np.abs(dv) / equations.magnitude, initial=0.0))
+        point.ud += linear.solve(np.zeros(equations.n_u), -equations.velocity_violation(point))[0]
     point.udd[:] = 0.0
     point.lam[:] = 0.0
     r, _ = equations.residual(point)
     point.udd[:], point.lam[:] = linear.solve(-r, -equations.acceleration_rest(point))
-    return change
 
 
-def _factorise_mass(equations: Equations, point: Point, linear: LinearSolver) -> None:
-    _, _, k, j = equations.linearise(point, MASS_ONLY)
+def _factorise(equations: Equations, point: Point, linear: LinearSolver, metric: Weights) -> None:
+    _, _, k, j = equations.linearise(point, metric)
     try:
         linear.factorise(k, j)
     except SingularSystemError as error:
+        if metric is not MASS_ONLY:
+            raise
         raise SingularSystemError(f"the mass matrix is singular: {error}", getattr(error, "index", None)) from error

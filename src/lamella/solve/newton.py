@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated
+from math import isfinite
+from typing import Annotated, Protocol
 
 import numpy as np
 from pydantic import Field
 
 from lamella._jit import njit
-from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
 from lamella.declaration import declaration
 from lamella.errors import SingularSystemError
 from lamella.result import Cause, Statistics
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
+from lamella.solve.secant import SecantCorrections
 from lamella.units import Positive
 
 ROUNDING = 1e-9
 """A correction of this size that does not shrink any more is rounding."""
-PATIENCE = 16
+PATIENCE = 24
 """Iterations within which a kept factorisation must promise to reach the tolerance."""
 SMALLEST = 1e-14
 """Errors below this need no correction."""
@@ -35,9 +36,12 @@ class Newton:
     An iterate is accepted when the estimated error theta / (1 - theta) |du| is below ``tolerance`` times the change of the
     solution since the start of the iteration, with theta the observed contraction and |.| the largest entry relative to the size
     of the body (positions) or to 1 (slopes). It is a relative error of what a step adds, whatever the size of load or step.
+    Beyond that, the constraints must hold at the iterate itself to ``constraint_tolerance`` of the size of the bodies.
 
     Args:
         tolerance: relative error accepted [-].
+        constraint_tolerance: violation of a constraint accepted, relative to what a change of its coordinates by their
+            magnitudes (size of the body, 1 for slopes) adds to it [-].
         max_iterations: iterations before giving up.
         keep: contraction up to which a factorisation is used again, 0 for Newton's method proper.
         line_search: once corrections grow, halve one that the next would outgrow (natural monotonicity test).
@@ -46,10 +50,25 @@ class Newton:
     """
 
     tolerance: Positive = 1e-8
+    constraint_tolerance: Positive = 1e-11
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = 25
     keep: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
     line_search: bool = False
     extrapolate: bool = True
+
+
+class Residual(Protocol):
+    """What Newton's method asks of equations r(u, lam) = 0, Phi(u) = 0; see ``lamella.assembly.equations`` for each."""
+
+    magnitude: Floats
+
+    def residual(self, point: Point) -> tuple[Floats, Floats]: ...
+    def linearise(
+        self, point: Point, weights: Weights, previous: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats, Floats]: ...
+    def coordinates(self, point: Point) -> Floats: ...
+    def violation(self, point: Point) -> float: ...
+    def describe(self, unknown: int) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -77,10 +96,11 @@ class NewtonSolver:
         statistics: counts the work.
     """
 
-    def __init__(self, equations: Equations, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
+    def __init__(self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
         self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
         self._factored_for: Weights | None = None
         self._per_magnitude = 1.0 / equations.magnitude
+        self._corrections = SecantCorrections(linear)
 
     def size(self, du: Floats) -> float:
         """Largest correction relative to the magnitude of its coordinate."""
@@ -100,25 +120,26 @@ class NewtonSolver:
         """
         before, start = None, point.u
         last = size = np.inf
+        self._corrections.forget()
         iteration = 0
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
             try:
                 r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
-                if not np.isfinite(r @ r):
+                if not isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
-                du, dlam = self.linear.solve(-r, -phi)
+                du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
                 self.forget()
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
             size = self.size(du)
-            if not np.isfinite(size):
+            if not isfinite(size):
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
-            contraction = size / last if np.isfinite(last) else 0.5
+            contraction = size / last if isfinite(last) else 0.5
             goal = max(self.options.tolerance * self.size(point.u + du - start), SMALLEST)
-            if not fresh and np.isfinite(last) and not self._promising(size, contraction, goal):
+            if not fresh and isfinite(last) and not self._promising(size, contraction, goal):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
@@ -127,7 +148,9 @@ class NewtonSolver:
             step = self._searched(point, weights, du, dlam) if growing else 1.0
             self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
-            if step == 1.0 and self._small_enough(size, contraction, goal):
+            if step != 1.0:
+                self._corrections.forget()
+            if step == 1.0 and self._small_enough(size, contraction, goal) and self._holds(point, size):
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
@@ -149,6 +172,10 @@ class NewtonSolver:
             return size < ROUNDING
         return size * contraction / (1.0 - contraction) <= goal
 
+    def _holds(self, point: Point, size: float) -> bool:
+        """Whether the constraints hold at ``point``, or the correction is too small to improve on that."""
+        return size < SMALLEST or self.equations.violation(point) <= self.options.constraint_tolerance
+
     def _evaluate(
         self, point: Point, weights: Weights, reference: Floats | None, before: Floats | None, *, fresh: bool
     ) -> tuple[Floats, Floats]:
@@ -162,6 +189,7 @@ class NewtonSolver:
         r, phi, k, j = self.equations.linearise(point, weights, previous)
         self.statistics.tangents += 1
         if np.isfinite(r).all():
+            self._corrections.forget()
             self.linear.factorise(k, j)
             self.statistics.factorisations += 1
             self._factored_for = weights

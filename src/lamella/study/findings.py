@@ -26,6 +26,9 @@ class Finding:
     numbers: Mapping[str, float | str] = field(default_factory=dict)
     comment: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "agrees", bool(self.agrees))  # NumPy's verdicts are not JSON
+
 
 def write_findings(findings: Iterable[Finding], path: Path) -> Path:
     """Write findings as a JSON list.
