@@ -154,7 +154,6 @@ class _Run:
             raise ModelError(
                 "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
             )
-        self.model.reset()
         self.equations, self.statistics = Equations(self.model), Statistics()
         linear = linear_solver(self.equations.matrix.pattern, solver)
         self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)

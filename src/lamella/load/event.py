@@ -30,7 +30,8 @@ class Event(Declaration):
         component: label of its component, such as ``z``; none for a single number.
         direction: ``rising``, ``falling`` or ``any``.
         action: ``stop`` ends the run; ``switch_on`` and ``switch_off`` let a force or spring act from then on, or no longer (one
-            that is switched on does not act before); ``latch`` engages a latch; ``record`` only notes the time.
+            that is switched on does not act before; where there are events for both, the one added first says whether it acts at
+            the start); ``latch`` engages a latch; ``record`` only notes the time.
         target: name of the force, spring or latch that changes.
         once: whether it may happen only once in a run.
     """
