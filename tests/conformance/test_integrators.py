@@ -80,9 +80,9 @@ def test_order_against_an_exact_solution(make):
 
 @each
 def test_order_of_positions_velocities_and_multipliers_with_a_constraint(make):
-    """Index 3: the rod's force converges with the order of the motion."""
+    """The rod's force converges with the order of the motion; at 100 steps and fewer some are rejected and cut."""
     system, end = pendulum(), 0.5
-    runs = [lm.simulate(system, end, make(end / n)) for n in (50, 100, 200, 1600)]
+    runs = [lm.simulate(system, end, make(end / n)) for n in (200, 400, 1600)]
     finals = [[r["bottom.position"].values[-1], r["bottom.velocity"].values[-1], r.final.lam] for r in runs]
     errors = [[np.abs(x - exact).max() for x, exact in zip(final, finals[-1], strict=True)] for final in finals[:-1]]
     assert (orders(errors)[-1] > 1.8).all()
