@@ -50,7 +50,7 @@ def static_height(name: str, *overrides: str) -> float:
 
 def test_the_examples_are_listed_with_their_titles() -> None:
     known = examples()
-    assert {"cantilever-plate", "corner-pinned-plate"} <= set(known)
+    assert {"cantilever-plate", "corner-pinned-plate", "solar-array", "deployment-springs"} <= set(known)
     for example in known.values():
         assert read_model(example.model).title == example.title
         assert (example.folder / "README.md").is_file()
@@ -101,6 +101,29 @@ def test_corner_pinned_plate_in_short(run, tmp_path: Path) -> None:
     assert not list(out.rglob("*.png")) + list(out.rglob("*.html"))
 
 
+@pytest.mark.parametrize(("name", "analysis"), [("solar-array", "unfolding"), ("deployment-springs", "deployment")])
+def test_an_array_begins_to_unfold(here: Command, tmp_path: Path, name: str, analysis: str) -> None:
+    """The model of the example, for a few steps; its study needs the whole motion."""
+    settings = (f"analysis.{analysis}.t_end=50 ms", f"analysis.{analysis}.integrator.dt=10 ms")
+    short = [word for setting in settings for word in ("--set", setting)]
+    done = here("run", str(examples()[name].model), "--out", "out", "--quiet", "--no-pictures", *short, *BRIEF)
+    assert done.returncode == 0, done.stderr
+    result = read_result(tmp_path / "out" / "run.h5")
+    assert result.outcome.completed
+    if name == "solar-array":
+        # The corners 1 and 2 stand where the drive has moved them, and the middle hinge at half the way.
+        law = read_model(examples()[name].model).system
+        moved = next(item for item in law.declarations if item.name == "drive1").displacement.value(0.05)
+        x = result.final.q.reshape(-1, 3)
+        p2, p4 = result.model.plates[1], result.model.plates[3]
+        outer, middle = (x[plate.vector(plate.nx, "r")][0] for plate in (p4, p2))
+        assert outer == pytest.approx(6 * math.cos(math.radians(75)) + moved, abs=1e-9)
+        assert middle == pytest.approx(0.5 * outer, abs=1e-9)
+    else:
+        assert abs(result["hinge0.angle"].values[-1]) < math.radians(80)
+        assert result["hinge1.angle"].values[-1] == pytest.approx(math.radians(160), abs=0.02)
+
+
 @pytest.mark.slow
 def test_cantilever_plate_whole(run, tmp_path: Path) -> None:
     findings = run("cantilever-plate")
@@ -130,3 +153,28 @@ def test_corner_pinned_plate_whole(run) -> None:
     # The window resolves 2 Hz; peaks of so few periods are good to a tenth of a hertz.
     assert rising["largest peak of the spectrum of z_C, 2 N [Hz]"] == pytest.approx(2.75, abs=0.1)
     assert rising["largest peak of the spectrum of z_C, 10 N [Hz]"] == pytest.approx(5.06, abs=0.1)
+
+
+@pytest.mark.slow
+def test_solar_array_whole(run, tmp_path: Path) -> None:
+    findings = run("solar-array")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 5
+    means, opposite, layups, *_ = (finding["numbers"] for finding in findings)
+    # The mechanism's closed form, averaged over the same times: 6.96 N and -8.53 N.
+    assert means["drive force, accelerating, mean, rigid [N]"] == pytest.approx(6.960, abs=0.01)
+    assert means["drive force, decelerating, mean, rigid [N]"] == pytest.approx(-8.526, abs=0.02)
+    assert opposite["largest y force, rigid [N]"] == pytest.approx(0.0, abs=1e-6)
+    assert layups["oscillation of the driving force while decelerating, antisymmetric over symmetric"] > 0.99
+    assert (tmp_path / "out" / "symmetric" / "animation.gif").is_file()
+
+
+@pytest.mark.slow
+def test_deployment_springs_whole(run) -> None:
+    findings = run("deployment-springs")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 5
+    attitude = findings[1]["numbers"]
+    # By conservation of angular momentum of rigid panels; flexible ones swing on their latches for the rest of the run.
+    expected = attitude["angle about y of a rigid array, from angular momentum [deg]"]
+    assert attitude["angle about y after latching, mean, rigid [deg]"] == pytest.approx(expected, rel=0.02)

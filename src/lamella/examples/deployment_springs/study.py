@@ -163,7 +163,8 @@ def shock(runs: Runs) -> Finding:
         "Flexible panels soften the shock of the latches.",
         flexible < rigid,
         rounded(numbers),
-        "Rigid panels stop against the latches alone; flexible ones bend on and swing, with a lower frequency.",
+        "Rigid panels stop against the latches alone; flexible ones bend on. The array then swings on its latches, whose stiffness "
+        "sets the frequency for both.",
     )
 
 
