@@ -163,8 +163,8 @@ def shock(runs: Runs) -> Finding:
         "Flexible panels soften the shock of the latches.",
         flexible < rigid,
         rounded(numbers),
-        "Rigid panels stop against the latches alone; flexible ones bend on. The array then swings on its latches, whose stiffness "
-        "sets the frequency for both.",
+        "Rigid panels stop against the latches alone; flexible ones bend on. Both arrays then swing on their latches, whose "
+        "stiffness sets the frequency.",
     )
 
 
