@@ -101,7 +101,7 @@ def mass_operator(matrix: sparse.csr_array) -> SumOperator | VectorOperator:
 
     In all coordinates it does; in the independent ones as long as supports hold whole vectors.
     """
-    if matrix.nnz and matrix.shape[0] % 3 == 0:
+    if matrix.nnz and (len(matrix.indptr) - 1) % 3 == 0:
         scalar = sparse.csr_array(matrix[::3, ::3])
         if abs(matrix - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max():
             return VectorOperator(scalar)
