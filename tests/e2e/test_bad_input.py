@@ -106,3 +106,34 @@ def test_full_disk(model: Path, tmp_path: Path, environment: dict[str, str]) -> 
         check=False,
     )
     assert "cannot be written" in one_message(done)
+
+
+MECHANISM = """\
+lamella: 1
+system:
+  ground: {type: ground}
+  a: {type: rigid_body, mass: 1, inertia: [1, 1, 1], markers: {m: [0.1, 0, 0], n: [0.2, 0, 0]}}
+  pin: {type: revolute_joint, a: ground.origin, b: a.origin}
+  OTHER
+analysis: {swing: {type: motion, t_end: 0.01 s}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ("second: {type: revolute_joint, a: a.m, b: a.n}", "a.m and a.n are points of one body"),
+        ("second: {type: spherical_joint, a: ground.origin, b: a.n}", "lie 0.2 m apart"),
+        ("second: {type: revolute_joint, a: ground.origin, b: a.origin, axis: [1, 0, 0]}", "locked by its joints"),
+        ("spring: {type: torsion_spring, on: pin, stiffness: -1}", "accepted is a value at least 0"),
+        ("spring: {type: torsion_spring, on: pni, stiffness: 1}", "did you mean 'pin'?"),
+        (
+            "drive: {type: angle_drive, on: pin, angle: {kind: table, times: [0, 2, 1], values: [0, 1, 2]}}",
+            "accepted are strictly increasing times",
+        ),
+    ],
+)
+def test_mechanisms_that_cannot_be(here, tmp_path: Path, other: str, said: str) -> None:
+    (tmp_path / "mechanism.yaml").write_text(MECHANISM.replace("OTHER", other))
+    assert said in one_message(here("run", "mechanism.yaml", "--out", "out", "--no-pictures"))
+    assert not list((tmp_path / "out").rglob("*"))  # nothing half-written stays

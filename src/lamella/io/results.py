@@ -141,6 +141,12 @@ class ResultWriter:
                     size = _MARGIN // 2 + sum(64 + len(event.name) + len(event.text) for event in outcome.events)
                     self._burst(lambda: self._write_end(outcome, statistics), size)
 
+    def discard(self) -> None:
+        """Close and remove the file, for a run that ended before its first sample."""
+        if self._file:
+            self._close_file()
+        self.path.unlink(missing_ok=True)
+
     def _burst(self, write: Callable[[], None], size: int) -> None:
         """Reserve ``size`` bytes at the end of the file, change the file and flush it.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lamella._jit import announced
 from lamella.assembly.equations import Equations
-from lamella.errors import ConvergenceError, ModelFileError, ResultFileError
+from lamella.errors import ConvergenceError, LamellaError, ModelFileError, ResultFileError
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
 from lamella.io.results import ResultWriter
@@ -91,17 +91,22 @@ def _run_analysis(
 ) -> Finished:
     sinks: list[Sink] = []
     files: list[Path] = []
+    writer = None
     if analysis.axis:
         signals = analysis.signals(Equations(model))
         files.append(folder / RESULT)
         text, title = model_file.text(), model_file.title
-        sinks.append(
-            ResultWriter(files[0], signals, analysis.axis, model.n_q, model_text=text, title=title, target=analysis.target)
-        )
+        writer = ResultWriter(files[0], signals, analysis.axis, model.n_q, model_text=text, title=title, target=analysis.target)
+        sinks.append(writer)
     if progress and analysis.axis:
         sinks.append(ProgressBar(analysis.name, *analysis.span, "s" if analysis.axis == "time" else ""))
     sinks.append(Interruption())
-    computed = analysis.run(model, earlier, model_file.output.frames, sinks)
+    try:
+        computed = analysis.run(model, earlier, model_file.output.frames, sinks)
+    except LamellaError:  # nothing was computed; what ends early comes back with its outcome
+        if writer is not None:
+            writer.discard()
+        raise
     failure = "" if isinstance(computed, Modes) or computed.outcome.completed else str(computed.outcome)
     return Finished(analysis, computed, files, failure)
 
