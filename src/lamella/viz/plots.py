@@ -280,4 +280,9 @@ def note_outcome(figure: Figure, results: Sequence[Result], note: str = "") -> N
     stopped = sorted({str(result.outcome) for result in results if not result.outcome.completed})
     if stopped or note:
         text = "\n".join([note] * bool(note) + ["; ".join(stopped)] * bool(stopped))
-        figure.supxlabel(text, fontsize=8, color="#a33" if stopped else "#4b5563", x=0.01, ha="left")
+        colour = "#a33" if stopped else "#4b5563"
+        if figure.legends:  # below the axes too, where both would stand upon each other
+            figure.legends[0].set_title(text)
+            figure.legends[0].get_title().set(fontsize=8, color=colour)
+        else:
+            figure.supxlabel(text, fontsize=8, color=colour, x=0.01, ha="left")
