@@ -1,8 +1,8 @@
-"""A vector of eight numbers for compiled kernels, one for each of eight elements that are computed together.
+"""A vector of ``WIDTH`` numbers for compiled kernels, one for each of as many elements that are computed together.
 
-Numba maps ``Lane`` to LLVM's ``<8 x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for eight
-elements at once; a number combined with a lane counts for all eight. Lanes live in kernels only: they are loaded from and stored
-to groups of eight consecutive entries of a flat float64 array.
+Numba maps ``Lane`` to LLVM's ``<WIDTH x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for
+several elements at once; a number combined with a lane counts for all of them. Lanes live in kernels only: they are loaded from
+and stored to consecutive entries of a flat float64 array.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba import extending
 from numba.core import cgutils, types
 from numba.core.datamodel.models import PrimitiveModel
@@ -26,8 +26,9 @@ from numba.extending import overload, register_model
 intrinsic = cast("Callable[[Callable[..., Any]], Callable[..., Any]]", extending.intrinsic)
 infer_global = cast("Any", templates.infer_global)
 
-WIDTH = 8
-"""Elements that are computed together."""
+WIDTH = 8 if binding.get_host_cpu_features().get("avx512f") else 4
+"""Numbers in a lane: what one register of this processor holds, or four. Wider lanes run out of registers: on a processor with
+256 bits, tangent and factorisation take a third more time. The layout of element arrays follows the width."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 _FLAGS = ("contract", "nsz")
@@ -35,7 +36,7 @@ _BINARY = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", ope
 
 
 class LaneType(types.Type):
-    """Numba's type of a vector of eight float64."""
+    """Numba's type of a vector of ``WIDTH`` float64."""
 
     def __init__(self) -> None:
         super().__init__(name="Lane")
@@ -53,7 +54,7 @@ class LaneModel(PrimitiveModel):
 
 
 def _spread(builder: Any, number: Any) -> Any:
-    """The same number in all eight places."""
+    """The same number in all places."""
     one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
     zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
     return builder.shuffle_vector(one, ir.Constant(_VECTOR, ir.Undefined), zeros)
@@ -96,7 +97,7 @@ def _lower_negation(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 def _lane_sqrt(typing_context: Any, value: types.Type) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         function_type = ir.FunctionType(_VECTOR, [_VECTOR])
-        return builder.call(cgutils.get_or_insert_function(builder.module, function_type, "llvm.sqrt.v8f64"), args)
+        return builder.call(cgutils.get_or_insert_function(builder.module, function_type, f"llvm.sqrt.v{WIDTH}f64"), args)
 
     return Lane(Lane), generate
 
@@ -113,39 +114,69 @@ def _overload_sqrt(value):  # noqa: ANN001, ANN202 - Numba compares this signatu
     return lambda value: math.sqrt(value)
 
 
-def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+    return builder.bitcast(builder.gep(data, [builder.mul(index, ir.Constant(index.type, stride))]), _VECTOR.as_pointer())
 
 
-@intrinsic
-def load(typing_context: Any, array: types.Type, index: types.Type) -> Any:
-    """``load(array, index)``: the lane of the entries index ... index + 7 of a flat contiguous float64 array."""
-
+def _loader(stride: int) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1])
-        return builder.load(pointer, align=8)
+        return builder.load(_vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), align=8)
 
-    return Lane(array, types.intp), generate
+    return generate
 
 
-@intrinsic
-def store(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
-    """``store(array, index, lane)``: write a lane, or a number for all eight, to the entries index ... index + 7."""
-
+def _storer(stride: int) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1])
+        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride)
         builder.store(_as_lane(builder, args[2]), pointer, align=8)
         return context.get_dummy_value()
 
-    return types.none(array, types.intp, value), generate
+    return generate
+
+
+@intrinsic
+def load(typing_context: Any, array: types.Type, number: types.Type) -> Any:
+    """``load(array, k)``: lane k of a flat contiguous float64 array, its entries WIDTH k ... WIDTH (k + 1) - 1."""
+    return Lane(array, types.intp), _loader(WIDTH)
+
+
+@intrinsic
+def store(typing_context: Any, array: types.Type, number: types.Type, value: types.Type) -> Any:
+    """``store(array, k, lane)``: write lane k; a number is written to all its entries."""
+    return types.none(array, types.intp, value), _storer(WIDTH)
+
+
+@intrinsic
+def load_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
+    """``load_at(array, index)``: the lane of the entries index ... index + WIDTH - 1."""
+    return Lane(array, types.intp), _loader(1)
+
+
+@intrinsic
+def store_at(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
+    """``store_at(array, index, lane)``: write a lane, or a number for all, to the entries index ... index + WIDTH - 1."""
+    return types.none(array, types.intp, value), _storer(1)
 
 
 @intrinsic
 def spread(typing_context: Any, number: types.Type) -> Any:
-    """``spread(number)``: a lane holding the same number eight times."""
+    """``spread(number)``: a lane holding the same number in all places."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return _spread(builder, args[0])
 
     return Lane(types.float64), generate
+
+
+@intrinsic
+def total(typing_context: Any, value: types.Type) -> Any:
+    """``total(lane)``: the sum of the numbers of a lane."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        double = ir.DoubleType()
+        function_type = ir.FunctionType(double, [double, _VECTOR])
+        add = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.vector.reduce.fadd.v{WIDTH}f64")
+        return builder.call(add, [ir.Constant(double, 0.0), args[0]], fastmath=("reassoc", *_FLAGS))
+
+    return types.float64(Lane), generate

@@ -1,4 +1,4 @@
-"""Lanes compute for eight numbers what the same expression computes for one; packing puts elements into their places."""
+"""Lanes compute for several numbers what the same expression computes for one; packing puts elements into their places."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from lamella._jit import CACHE_FOLDER, announced, inlined, njit
 from lamella.element.packing import aligned, packed, packed_indices, packed_targets, unpacked
-from lamella.lane import WIDTH, load, spread, sqrt, store
+from lamella.lane import WIDTH, load, load_at, spread, sqrt, store, store_at, total
 
 
 @inlined
@@ -23,12 +23,13 @@ def expression(a, b):
 
 @njit
 def evaluate(a, b, out):
-    u, v = load(a, 0), load(b, 3)
+    u, v = load(a, 0), load_at(b, 3)
     results = expression(u, v)
     for k in range(15):
-        store(out, 8 * k, results[k])
-    store(out, 120, spread(1.5))
-    store(out, 128, 2.5)
+        store(out, k, results[k])
+    store(out, 15, spread(1.5))
+    store_at(out, 16 * WIDTH, 2.5)
+    out[17 * WIDTH] = total(u)
 
 
 @njit
@@ -39,22 +40,24 @@ def evaluate_number(a, b):
 def test_lane_arithmetic_equals_that_of_numbers():
     rng = np.random.default_rng(0)
     a, b = rng.standard_normal(WIDTH), rng.uniform(0.5, 2.0, WIDTH + 3)
-    out = np.empty(136)
+    out = np.empty(17 * WIDTH + 1)
     evaluate(a, b, out)
     # a fused multiply-add rounds once instead of twice
-    np.testing.assert_allclose(out[:120].reshape(15, 8), expression(a, b[3:]), rtol=4e-15)
-    np.testing.assert_allclose(evaluate_number(a[0], b[3]), out[:120].reshape(15, 8)[:, 0], rtol=4e-15)
-    assert (out[120:128] == 1.5).all()
-    assert (out[128:] == 2.5).all()
+    results = out[: 15 * WIDTH].reshape(15, WIDTH)
+    np.testing.assert_allclose(results, expression(a, b[3:]), rtol=4e-15)
+    np.testing.assert_allclose(evaluate_number(a[0], b[3]), results[:, 0], rtol=4e-15)
+    assert (out[15 * WIDTH : 16 * WIDTH] == 1.5).all()
+    assert (out[16 * WIDTH : 17 * WIDTH] == 2.5).all()
+    assert out[-1] == pytest.approx(a.sum(), abs=1e-15 * WIDTH)
 
 
 def test_lane_keeps_nan_and_infinity_in_their_place():
     a, b = np.ones(WIDTH), np.ones(WIDTH + 3)
-    a[2], b[3 + 5] = np.nan, np.inf
-    out = np.empty(136)
+    a[2], b[3 + 1] = np.nan, np.inf
+    out = np.empty(17 * WIDTH + 1)
     evaluate(a, b, out)
-    assert np.flatnonzero(np.isnan(out[:8])).tolist() == [2]
-    assert np.flatnonzero(np.isinf(out[:8])).tolist() == [5]
+    assert np.flatnonzero(np.isnan(out[:WIDTH])).tolist() == [2]
+    assert np.flatnonzero(np.isinf(out[:WIDTH])).tolist() == [1]
 
 
 @pytest.mark.parametrize("n", [1, 7, 8, 9, 16])

@@ -1,4 +1,4 @@
-"""Element arrays in groups of eight, as the kernels read them: (block, entry, 8), the last block filled up."""
+"""Element arrays in lanes, as the kernels read them: (block, entry, WIDTH), the last block filled up."""
 
 from __future__ import annotations
 
@@ -7,21 +7,24 @@ import numpy as np
 from lamella.lane import WIDTH
 from lamella.roles import Floats, Ints
 
+CACHE_LINE = 8
+"""Numbers in a cache line of 64 bytes."""
+
 
 def aligned(size: int) -> Floats:
     """A flat array of zeros whose first entry starts a cache line, so that no lane lies across two."""
-    raw = np.zeros(size + WIDTH)
-    first = -(raw.ctypes.data // raw.itemsize) % WIDTH
+    raw = np.zeros(size + CACHE_LINE)
+    first = -(raw.ctypes.data // raw.itemsize) % CACHE_LINE
     return raw[first : first + size]
 
 
 def n_blocks(n_element: int) -> int:
-    """Blocks of eight that hold ``n_element`` elements."""
+    """Blocks of ``WIDTH`` that hold ``n_element`` elements."""
     return -(-n_element // WIDTH)
 
 
 def _grouped(values: np.ndarray) -> np.ndarray:
-    """(block 8, ...) to (block, ..., 8)."""
+    """(block WIDTH, ...) to (block, ..., WIDTH)."""
     return np.moveaxis(values.reshape(-1, WIDTH, *values.shape[1:]), 1, -1)
 
 

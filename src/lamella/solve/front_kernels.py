@@ -1,7 +1,7 @@
-"""Compiled kernels of the multifrontal factorisation: dense fronts, eight rows at a time.
+"""Compiled kernels of the multifrontal factorisation: dense fronts, a lane of rows at a time.
 
 A front of p pivots and u remaining rows is held as a *panel* (its first p columns, all rows) and an *update* (the u by u rest),
-both by columns, of which the lower triangles count. Column lengths are multiples of 8 and p of 4; padding is zero, padded
+both by columns, of which the lower triangles count. Column lengths are multiples of ``WIDTH`` and p of 4; padding is zero, padded
 pivots are 1. The factorisation is K = L S L^T with S = diag(+-1), which is Cholesky's when all signs are positive.
 """
 
@@ -11,24 +11,24 @@ from __future__ import annotations
 
 import math
 
-from lamella import lane
 from lamella._jit import njit
+from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats, Ints
 
 BLOCK = 48
-"""Columns of a panel that are factorised before the rest is updated: 24 rows of them (9 kB) stay in the first-level cache."""
+"""Columns of a panel that are factorised before the rest is updated: 3 ``WIDTH`` rows of them stay in the first-level cache."""
 
 
 @njit
-def _subtract_24(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
-    """C -= A B for 24 rows and 4 columns: A (24, n) at a[a0] and C at c[c0] by columns, B (n, 4) at b[b0] by rows."""
+def _subtract_tall(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
+    """C -= A B for 3 WIDTH rows and 4 columns: A (rows, n) at a[a0] and C at c[c0] by columns, B (n, 4) at b[b0] by rows."""
     c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
-    p00, p10, p20 = lane.load(c, c0), lane.load(c, c0 + 8), lane.load(c, c0 + 16)
-    p01, p11, p21 = lane.load(c, c1), lane.load(c, c1 + 8), lane.load(c, c1 + 16)
-    p02, p12, p22 = lane.load(c, c2), lane.load(c, c2 + 8), lane.load(c, c2 + 16)
-    p03, p13, p23 = lane.load(c, c3), lane.load(c, c3 + 8), lane.load(c, c3 + 16)
+    p00, p10, p20 = load_at(c, c0), load_at(c, c0 + WIDTH), load_at(c, c0 + 2 * WIDTH)
+    p01, p11, p21 = load_at(c, c1), load_at(c, c1 + WIDTH), load_at(c, c1 + 2 * WIDTH)
+    p02, p12, p22 = load_at(c, c2), load_at(c, c2 + WIDTH), load_at(c, c2 + 2 * WIDTH)
+    p03, p13, p23 = load_at(c, c3), load_at(c, c3 + WIDTH), load_at(c, c3 + 2 * WIDTH)
     for _ in range(n):
-        x, y, z = lane.load(a, a0), lane.load(a, a0 + 8), lane.load(a, a0 + 16)
+        x, y, z = load_at(a, a0), load_at(a, a0 + WIDTH), load_at(a, a0 + 2 * WIDTH)
         f0, f1, f2, f3 = b[b0], b[b0 + 1], b[b0 + 2], b[b0 + 3]
         p00, p10, p20 = p00 - f0 * x, p10 - f0 * y, p20 - f0 * z
         p01, p11, p21 = p01 - f1 * x, p11 - f1 * y, p21 - f1 * z
@@ -36,23 +36,23 @@ def _subtract_24(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int,
         p03, p13, p23 = p03 - f3 * x, p13 - f3 * y, p23 - f3 * z
         a0 += a_len
         b0 += 4
-    lane.store(c, c0, p00), lane.store(c, c0 + 8, p10), lane.store(c, c0 + 16, p20)
-    lane.store(c, c1, p01), lane.store(c, c1 + 8, p11), lane.store(c, c1 + 16, p21)
-    lane.store(c, c2, p02), lane.store(c, c2 + 8, p12), lane.store(c, c2 + 16, p22)
-    lane.store(c, c3, p03), lane.store(c, c3 + 8, p13), lane.store(c, c3 + 16, p23)
+    store_at(c, c0, p00), store_at(c, c0 + WIDTH, p10), store_at(c, c0 + 2 * WIDTH, p20)
+    store_at(c, c1, p01), store_at(c, c1 + WIDTH, p11), store_at(c, c1 + 2 * WIDTH, p21)
+    store_at(c, c2, p02), store_at(c, c2 + WIDTH, p12), store_at(c, c2 + 2 * WIDTH, p22)
+    store_at(c, c3, p03), store_at(c, c3 + WIDTH, p13), store_at(c, c3 + 2 * WIDTH, p23)
 
 
 @njit
-def _subtract_8(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
-    """C -= A B for 8 rows and 4 columns, stored as in :func:`_subtract_24`."""
+def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
+    """C -= A B for WIDTH rows and 4 columns, stored as in :func:`_subtract_tall`."""
     c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
-    p0, p1, p2, p3 = lane.load(c, c0), lane.load(c, c1), lane.load(c, c2), lane.load(c, c3)
+    p0, p1, p2, p3 = load_at(c, c0), load_at(c, c1), load_at(c, c2), load_at(c, c3)
     for _ in range(n):
-        x = lane.load(a, a0)
+        x = load_at(a, a0)
         p0, p1, p2, p3 = p0 - b[b0] * x, p1 - b[b0 + 1] * x, p2 - b[b0 + 2] * x, p3 - b[b0 + 3] * x
         a0 += a_len
         b0 += 4
-    lane.store(c, c0, p0), lane.store(c, c1, p1), lane.store(c, c2, p2), lane.store(c, c3, p3)
+    store_at(c, c0, p0), store_at(c, c1, p1), store_at(c, c2, p2), store_at(c, c3, p3)
 
 
 @njit
@@ -72,17 +72,17 @@ def _pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, 
 def _subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
     """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
 
-    Rows are a multiple of 8, columns of 4.
+    Rows are a multiple of WIDTH, columns of 4.
     """
     row = 0
-    while row + 24 <= rows:
-        for column in range(0, min(columns, row + 24), 4):
-            _subtract_24(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
-        row += 24
+    while row + 3 * WIDTH <= rows:
+        for column in range(0, min(columns, row + 3 * WIDTH), 4):
+            _subtract_tall(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
+        row += 3 * WIDTH
     while row < rows:
-        for column in range(0, min(columns, row + 8), 4):
-            _subtract_8(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
-        row += 8
+        for column in range(0, min(columns, row + WIDTH), 4):
+            _subtract_flat(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
+        row += WIDTH
 
 
 @njit
@@ -118,7 +118,7 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
     l21, l31, l32 = f1 * a[c1 + j + 2], f1 * a[c1 + j + 3], f2 * a[c2 + j + 3]
     d0, d1, d2, d3 = f0 / a[c0 + j], f1 / a[c1 + j + 1], f2 / a[c2 + j + 2], f3 / a[c3 + j + 3]
     row = j + 4
-    while row % 8:
+    while row % WIDTH:
         x0 = a[c0 + row] * d0
         x1 = (a[c1 + row] - l10 * x0) * d1
         x2 = (a[c2 + row] - l20 * x0 - l21 * x1) * d2
@@ -126,12 +126,12 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
         a[c0 + row], a[c1 + row], a[c2 + row] = x0, x1, x2
         row += 1
     while row < a_len:
-        y0 = lane.load(a, c0 + row) * d0
-        y1 = (lane.load(a, c1 + row) - l10 * y0) * d1
-        y2 = (lane.load(a, c2 + row) - l20 * y0 - l21 * y1) * d2
-        y3 = (lane.load(a, c3 + row) - l30 * y0 - l31 * y1 - l32 * y2) * d3
-        lane.store(a, c0 + row, y0), lane.store(a, c1 + row, y1), lane.store(a, c2 + row, y2), lane.store(a, c3 + row, y3)
-        row += 8
+        y0 = load_at(a, c0 + row) * d0
+        y1 = (load_at(a, c1 + row) - l10 * y0) * d1
+        y2 = (load_at(a, c2 + row) - l20 * y0 - l21 * y1) * d2
+        y3 = (load_at(a, c3 + row) - l30 * y0 - l31 * y1 - l32 * y2) * d3
+        store_at(a, c0 + row, y0), store_at(a, c1 + row, y1), store_at(a, c2 + row, y2), store_at(a, c3 + row, y3)
+        row += WIDTH
     return -1
 
 
@@ -144,7 +144,7 @@ def _factorise_front(
         last = min(first + BLOCK, p)
         left, sign = a0 + first * a_len, s0 + first
         for j in range(first, last, 4):
-            n, start, width = j - first, j - j % 8, min(4, p - j)
+            n, start, width = j - first, j - j % WIDTH, min(4, p - j)
             if n:
                 _pack(a, left + j, a_len, width, signs, sign, b, n)
                 _subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
@@ -193,9 +193,9 @@ def _clear(c: Floats, c0: int, n: int) -> None:
 def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
     """c[c0:] += d[d0:] for n entries."""
     i = 0
-    while i + 8 <= n:
-        lane.store(c, c0 + i, lane.load(c, c0 + i) + lane.load(d, d0 + i))
-        i += 8
+    while i + WIDTH <= n:
+        store_at(c, c0 + i, load_at(c, c0 + i) + load_at(d, d0 + i))
+        i += WIDTH
     while i < n:
         c[c0 + i] += d[d0 + i]
         i += 1

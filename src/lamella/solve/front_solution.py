@@ -2,45 +2,62 @@
 
 from __future__ import annotations
 
-from lamella import lane
 from lamella._jit import njit
+from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 
 
 @njit
 def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
-    """y <- L^-1 y for the pivots, rest of y minus what they cause."""
-    for k in range(p):
-        column = a0 + k * a_len
-        x = y[k] / a[column + k]
-        y[k] = x
-        row = k + 1
-        while row % 8:
-            y[row] -= a[column + row] * x
+    """y <- L^-1 y for the pivots, rest of y minus what they cause; four columns at a time, so that y is read and written once."""
+    for k in range(0, p, 4):
+        c0 = a0 + k * a_len
+        c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
+        x0 = y[k] / a[c0 + k]
+        x1 = (y[k + 1] - a[c0 + k + 1] * x0) / a[c1 + k + 1]
+        x2 = (y[k + 2] - a[c0 + k + 2] * x0 - a[c1 + k + 2] * x1) / a[c2 + k + 2]
+        x3 = (y[k + 3] - a[c0 + k + 3] * x0 - a[c1 + k + 3] * x1 - a[c2 + k + 3] * x2) / a[c3 + k + 3]
+        y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
+        row = k + 4
+        while row % WIDTH:
+            y[row] -= a[c0 + row] * x0 + a[c1 + row] * x1 + a[c2 + row] * x2 + a[c3 + row] * x3
             row += 1
         while row < a_len:
-            lane.store(y, row, lane.load(y, row) - x * lane.load(a, column + row))
-            row += 8
+            one = load_at(y, row) - x0 * load_at(a, c0 + row) - x1 * load_at(a, c1 + row)
+            store_at(y, row, one - x2 * load_at(a, c2 + row) - x3 * load_at(a, c3 + row))
+            row += WIDTH
 
 
 @njit
 def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
-    """y <- L^-T y for the pivots, with the rest of y known; the eight entries behind it are workspace."""
-    for k in range(p - 1, -1, -1):
-        column = a0 + k * a_len
-        x = y[k]
-        row = k + 1
-        while row % 8:
-            x -= a[column + row] * y[row]
+    """y <- L^-T y for the pivots, with the rest of y known."""
+    for k in range(p - 4, -1, -4):
+        c0 = a0 + k * a_len
+        c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
+        x0, x1, x2, x3 = y[k], y[k + 1], y[k + 2], y[k + 3]
+        row = k + 4
+        while row % WIDTH:
+            known = y[row]
+            x0, x1, x2, x3 = (
+                x0 - a[c0 + row] * known,
+                x1 - a[c1 + row] * known,
+                x2 - a[c2 + row] * known,
+                x3 - a[c3 + row] * known,
+            )
             row += 1
-        part = lane.spread(0.0)
-        while row < a_len:
-            part = part + lane.load(a, column + row) * lane.load(y, row)
-            row += 8
-        lane.store(y, a_len, part)
-        for i in range(a_len, a_len + 8):
-            x -= y[i]
-        y[k] = x / a[column + k]
+        if row < a_len:
+            s0, s1, s2, s3 = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+            while row < a_len:
+                known = load_at(y, row)
+                s0, s1 = s0 + load_at(a, c0 + row) * known, s1 + load_at(a, c1 + row) * known
+                s2, s3 = s2 + load_at(a, c2 + row) * known, s3 + load_at(a, c3 + row) * known
+                row += WIDTH
+            x0, x1, x2, x3 = x0 - total(s0), x1 - total(s1), x2 - total(s2), x3 - total(s3)
+        x3 = x3 / a[c3 + k + 3]
+        x2 = (x2 - a[c2 + k + 3] * x3) / a[c2 + k + 2]
+        x1 = (x1 - a[c1 + k + 3] * x3 - a[c1 + k + 2] * x2) / a[c1 + k + 1]
+        x0 = (x0 - a[c0 + k + 3] * x3 - a[c0 + k + 2] * x2 - a[c0 + k + 1] * x1) / a[c0 + k]
+        y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
 
 
 @njit
@@ -53,7 +70,7 @@ def solve(fronts: Ints, rows: Ints, a: Floats, signs: Floats, x: Floats, y: Floa
         a: panels with L.
         signs: signs S by position.
         x: right-hand side and solution by position, zero at padded pivots.
-        y: workspace of the longest panel column and eight more entries.
+        y: workspace of the longest panel column.
     """
     for f in range(len(fronts) - 1):
         first, p, a_len, a0, n, start = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 4], fronts[f, 7]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
+from lamella.lane import WIDTH
 from lamella.roles import Floats, Ints
 from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
@@ -94,8 +95,8 @@ class Multifrontal(SymmetricFactor):
         a0 = start = n_run = 0
         for f, rows in enumerate(self._rest):
             p, n = table[f, 1], len(rows)
-            u_len = _up(n, 8)
-            a_len = _up(p + u_len, 8)
+            u_len = _up(n, WIDTH)
+            a_len = _up(p + u_len, WIDTH)
             table[f, 2:9] = a_len, a0, n, u_len, space.take(u_len**2), start, n_run
             a0, start = a0 + a_len * p, start + n
             child = table[f, 9]
@@ -114,7 +115,7 @@ class Multifrontal(SymmetricFactor):
         self._a, self._u = np.zeros(a0), np.zeros(space.size)
         self._signs, self._limits = np.ones(len(self._coordinate)), np.zeros(len(self._coordinate))
         longest = int(table[:, 2].max())
-        self._b, self._y = np.zeros(front_kernels.BLOCK * longest), np.zeros(longest + 8)
+        self._b, self._y = np.zeros(front_kernels.BLOCK * longest), np.zeros(longest)
 
     def _positions(self, nodes: list[Ints], rest: set[int]) -> Ints:
         """Ascending positions of the coordinates of nodes."""

@@ -138,7 +138,8 @@ class NewtonSolver:
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
             contraction = size / last if isfinite(last) else 0.5
-            goal = max(self.options.tolerance * self.size(point.u + du - start), SMALLEST)
+            change = _largest_change(point.u, du, start, self._per_magnitude)
+            goal = max(self.options.tolerance * change, SMALLEST)
             if not fresh and isfinite(last) and not self._promising(size, contraction, goal):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
@@ -202,11 +203,14 @@ class NewtonSolver:
         return f"nothing holds {self.equations.describe(error.index)}: a body or mechanism can move freely; add a support"
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
-        point.u = point.u + weights.alpha_q * du
         if weights.alpha_a:
-            point.ud = point.ud + weights.alpha_v * du
-            point.udd = point.udd + weights.alpha_a * du
-        point.lam = point.lam + dlam
+            moved = np.empty_like(du), np.empty_like(du), np.empty_like(du)
+            _move(point.u, point.ud, point.udd, du, weights.alpha_q, weights.alpha_v, weights.alpha_a, *moved)
+            point.u, point.ud, point.udd = moved
+        else:
+            point.u = point.u + weights.alpha_q * du
+        if len(dlam):
+            point.lam = point.lam + dlam
 
     def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> float:
         """A step length s that passes the natural monotonicity test (Deuflhard 2004, section 3.3).
@@ -241,3 +245,30 @@ def _largest(x: Floats, factors: Floats) -> float:
         if size != size:
             break
     return largest
+
+
+@njit
+def _largest_change(x: Floats, dx: Floats, start: Floats, factors: Floats) -> float:
+    """max_i |(x_i + dx_i - start_i) factors_i|, for finite arrays."""
+    largest = 0.0
+    for i in range(len(x)):
+        largest = max(largest, abs((x[i] + dx[i] - start[i]) * factors[i]))
+    return largest
+
+
+@njit
+def _move(
+    u: Floats,
+    ud: Floats,
+    udd: Floats,
+    du: Floats,
+    alpha_q: float,
+    alpha_v: float,
+    alpha_a: float,
+    q: Floats,
+    v: Floats,
+    a: Floats,
+) -> None:
+    """Coordinates q, velocities v and accelerations a after a correction du. (An array returned by a kernel costs 1 us.)"""
+    for i in range(len(u)):
+        q[i], v[i], a[i] = u[i] + alpha_q * du[i], ud[i] + alpha_v * du[i], udd[i] + alpha_a * du[i]

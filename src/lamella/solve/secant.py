@@ -42,14 +42,18 @@ class SecantCorrections:
 
     def __call__(self, r: Floats, phi: Floats) -> tuple[Floats, Floats]:
         """The correction du (n_u,), dlam (n_lam,), which is taken to be made before the next call."""
-        g = np.concatenate([r, phi])
+        g = np.concatenate([r, phi]) if len(phi) else r
         if self._last is not None and self.linear.pattern.symmetric:
             self._count = _learn(g, *self._last, self._s, self._y, self._sy, self._count)
-        h = _before(g, self._s, self._y, self._sy, self._count, self._shares)
-        z = np.concatenate(self.linear.solve(h[: self._n_u], h[self._n_u :]))
-        s = _after(z, self._s, self._y, self._sy, self._count, self._shares)
-        self._last = g, s
-        return s[: self._n_u], s[self._n_u :]
+        h = g
+        if self._count:
+            h = np.empty_like(g)
+            _before(g, self._s, self._y, self._sy, self._count, self._shares, h)
+        x, lam = self.linear.solve(h[: self._n_u], h[self._n_u :])
+        z = np.concatenate([x, lam]) if len(lam) else x
+        _after(z, self._s, self._y, self._sy, self._count, self._shares)
+        self._last = g, z
+        return z[: self._n_u], z[self._n_u :]
 
 
 @njit
@@ -71,18 +75,18 @@ def _learn(g: Floats, g_last: Floats, s_last: Floats, s: Floats, y: Floats, sy: 
 
 
 @njit
-def _before(g: Floats, s: Floats, y: Floats, sy: Floats, count: int, shares: Floats) -> Floats:
-    """(I - y s^T / s.y) ... g, the latest first; ``shares`` keeps s.g / s.y of each."""
-    h = g.copy()
+def _before(g: Floats, s: Floats, y: Floats, sy: Floats, count: int, shares: Floats, h: Floats) -> None:
+    """h <- (I - y s^T / s.y) ... g, the latest first; ``shares`` keeps s.g / s.y of each."""
+    h[:] = g
     for i in range(count - 1, -1, -1):
         shares[i] = (s[i] @ h) / sy[i]
         h -= shares[i] * y[i]
-    return h
 
 
 @njit
-def _after(z: Floats, s: Floats, y: Floats, sy: Floats, count: int, shares: Floats) -> Floats:
-    """Minus (I - s y^T / s.y) z + share s, the latest last."""
+def _after(z: Floats, s: Floats, y: Floats, sy: Floats, count: int, shares: Floats) -> None:
+    """z <- minus (I - s y^T / s.y) z + share s, the latest last."""
     for i in range(count):
         z += (shares[i] - (y[i] @ z) / sy[i]) * s[i]
-    return -z
+    for i in range(len(z)):
+        z[i] = -z[i]

@@ -20,9 +20,9 @@ from lamella.roles import Floats
 @inlined
 def _z_row(hessian: Floats, at: int, v: int, f0: float, f1: float, f2: float, work: Floats, z: int) -> None:
     """Contract column v of a Hessian with phi_b(eta): rows of equal derivative by xi are merged."""
-    store(work, z + v * 8, f1 * load(hessian, at + (5 + v) * 8) + f2 * load(hessian, at + (15 + v) * 8))
-    store(work, z + (5 + v) * 8, f0 * load(hessian, at + v * 8) + f1 * load(hessian, at + (20 + v) * 8))
-    store(work, z + (10 + v) * 8, f0 * load(hessian, at + (10 + v) * 8))
+    store(work, z + v, f1 * load(hessian, at + 5 + v) + f2 * load(hessian, at + 15 + v))
+    store(work, z + 5 + v, f0 * load(hessian, at + v) + f1 * load(hessian, at + 20 + v))
+    store(work, z + 10 + v, f0 * load(hessian, at + 10 + v))
 
 
 @inlined
@@ -32,14 +32,14 @@ def _t_row(t: Any, z: Any, f0: float, f1: float, f2: float) -> Any:
 
 @inlined
 def _load5(work: Floats, at: int) -> Any:
-    return (load(work, at), load(work, at + 8), load(work, at + 16), load(work, at + 24), load(work, at + 32))
+    return (load(work, at), load(work, at + 1), load(work, at + 2), load(work, at + 3), load(work, at + 4))
 
 
 @inlined
 def _store3(work: Floats, at: int, t: Any) -> None:
     store(work, at, t[0])
-    store(work, at + 8, t[1])
-    store(work, at + 16, t[2])
+    store(work, at + 1, t[1])
+    store(work, at + 2, t[2])
 
 
 @njit
@@ -53,24 +53,24 @@ def contract_eta(work: Floats, hessian: int, z: int, target: int, table: Floats,
         for j in range(n):
             f0, f1, f2 = table[12 * j + b], table[12 * j + 4 + b], table[12 * j + 8 + b]
             for v in range(5):
-                _z_row(work, hessian + j * 200, v, f0, f1, f2, work, z + j * 120)
+                _z_row(work, hessian + j * 25, v, f0, f1, f2, work, z + j * 15)
         for pair in range(b // 2 if symmetric else 0, 2):
             t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
             u0, u1, u2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
             for j in range(n):
                 k = 12 * j + 2 * pair
-                z0, z1, z2 = _load5(work, z + j * 120), _load5(work, z + j * 120 + 40), _load5(work, z + j * 120 + 80)
+                z0, z1, z2 = _load5(work, z + j * 15), _load5(work, z + j * 15 + 5), _load5(work, z + j * 15 + 10)
                 f0, f1, f2 = table[k], table[k + 4], table[k + 8]
                 t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
                 f0, f1, f2 = table[k + 1], table[k + 5], table[k + 9]
                 u0, u1, u2 = _t_row(u0, z0, f0, f1, f2), _t_row(u1, z1, f0, f1, f2), _t_row(u2, z2, f0, f1, f2)
-            at = target + ((4 * b + 2 * pair) * n + i) * 72
+            at = target + ((4 * b + 2 * pair) * n + i) * 9
             _store3(work, at, t0)
-            _store3(work, at + 24, t1)
-            _store3(work, at + 48, t2)
-            _store3(work, at + n * 72, u0)
-            _store3(work, at + n * 72 + 24, u1)
-            _store3(work, at + n * 72 + 48, u2)
+            _store3(work, at + 3, t1)
+            _store3(work, at + 6, t2)
+            _store3(work, at + n * 9, u0)
+            _store3(work, at + n * 9 + 3, u1)
+            _store3(work, at + n * 9 + 6, u2)
 
 
 @inlined
@@ -91,8 +91,8 @@ def _k_row(k: Any, t: Any, table: Floats, i: int, a: int) -> Any:
 @inlined
 def _load9(work: Floats, at: int) -> Any:
     return (
-        load(work, at), load(work, at + 8), load(work, at + 16), load(work, at + 24), load(work, at + 32),
-        load(work, at + 40), load(work, at + 48), load(work, at + 56), load(work, at + 64),
+        load(work, at), load(work, at + 1), load(work, at + 2), load(work, at + 3), load(work, at + 4),
+        load(work, at + 5), load(work, at + 6), load(work, at + 7), load(work, at + 8),
     )  # fmt: skip
 
 
@@ -100,8 +100,8 @@ def _load9(work: Floats, at: int) -> Any:
 def _store_row(k: Floats, at: int, row: Any, first: int) -> int:
     """Store the entries a' >= first of a row; the position after them."""
     for m in range(first, 4):
-        store(k, at + 8 * (m - first), row[m])
-    return at + 8 * (4 - first)
+        store(k, at + m - first, row[m])
+    return at + 4 - first
 
 
 @njit
@@ -116,7 +116,7 @@ def contract_xi(work: Floats, source: int, table: Floats, n: int, k: Floats, at:
             k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
             k2, k3 = (zero, zero, zero, zero), (zero, zero, zero, zero)
             for i in range(n):
-                t = _load9(work, source + ((4 * b + b2) * n + i) * 72)
+                t = _load9(work, source + ((4 * b + b2) * n + i) * 9)
                 k0, k1 = _k_row(k0, t, table, 12 * i, 0), _k_row(k1, t, table, 12 * i, 1)
                 k2, k3 = _k_row(k2, t, table, 12 * i, 2), _k_row(k3, t, table, 12 * i, 3)
             upper = symmetric and b == b2

@@ -9,6 +9,7 @@ from lamella.element.packing import aligned
 from lamella.element.plate48 import damping_kernels as kernels
 from lamella.element.plate48.entries import all_entries
 from lamella.element.plate48.layout import GaussTables, Plate48Block
+from lamella.lane import WIDTH
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
 
 
@@ -39,7 +40,7 @@ class KelvinVoigtBlock(Plate48Block):
         super().__init__(name, coords, scale, reference, *all_entries())
         tables = GaussTables(self, time * np.asarray(stiffness, float), n_gauss)
         self._tables = (self._index, self._scale, tables.sections, tables.table, tables.n)
-        self._work, self._power = aligned(kernels.viscous_work_size(n_gauss)), aligned(8 * self.n_block)
+        self._work, self._power = aligned(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         self._unused = np.empty(len(self.f_coords))
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:

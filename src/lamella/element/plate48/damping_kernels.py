@@ -1,4 +1,4 @@
-"""Kelvin-Voigt damping of Plate48, eight elements at a time; layouts as in :mod:`lamella.element.plate48.kernels`.
+"""Kelvin-Voigt damping of Plate48, a lane of elements at a time; layouts as in :mod:`lamella.element.plate48.kernels`.
 
 With the rates of the strains sdot = (ds/dg) gdot and the viscous stiffness C, the resultants N_d = C sdot give
 
@@ -24,7 +24,7 @@ from lamella.element.plate48.interpolation import (
     stiffness,
 )
 from lamella.element.plate48.strain import Vector, combined, dot, energy_density, gradient, resultants, scaled, surface_frame
-from lamella.lane import load, spread, store
+from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats, Ints
 
 
@@ -70,8 +70,8 @@ def _projected(g: tuple[Vector, ...], u: Vector) -> Vector:
 @inlined
 def _store_vector(work: Floats, at: int, u: Vector) -> None:
     store(work, at, u[0])
-    store(work, at + 8, u[1])
-    store(work, at + 16, u[2])
+    store(work, at + 1, u[1])
+    store(work, at + 2, u[2])
 
 
 @inlined
@@ -84,10 +84,10 @@ def _store_row(
     for_x = combined(dot(bending, gammas[0]), n0_rate, dot(bending, gammas[2]), n0)
     for_y = combined(dot(bending, gammas[1]), n0_rate, dot(bending, gammas[3]), n0)
     _store_vector(work, at, combined(1.0, x, -1.0, for_x))
-    _store_vector(work, at + 24, combined(1.0, y, -1.0, for_y))
-    _store_vector(work, at + 48, scaled(c[3], n0_rate))
-    _store_vector(work, at + 72, scaled(c[4], n0_rate))
-    _store_vector(work, at + 96, scaled(c[5], n0_rate))
+    _store_vector(work, at + 3, combined(1.0, y, -1.0, for_y))
+    _store_vector(work, at + 6, scaled(c[3], n0_rate))
+    _store_vector(work, at + 9, scaled(c[4], n0_rate))
+    _store_vector(work, at + 12, scaled(c[5], n0_rate))
 
 
 @inlined
@@ -98,11 +98,11 @@ def _store_rate_rows(g: Any, v: Any, n0: Vector, n0_rate: Vector, d1: Vector, d2
     rates2 = _christoffel_rates(d2, gamma1, gamma2, b, v, n0_rate)
     gammas = (gamma1, gamma2, rates1, rates2)
     _store_row((c[0], c[1], c[2], c[3], c[4], c[5]), v, n0, n0_rate, gammas, work, at)
-    _store_row((c[1], c[6], c[7], c[8], c[9], c[10]), v, n0, n0_rate, gammas, work, at + 120)
-    _store_row((c[2], c[7], c[11], c[12], c[13], c[14]), v, n0, n0_rate, gammas, work, at + 240)
-    _store_row((c[3], c[8], c[12], c[15], c[16], c[17]), v, n0, n0_rate, gammas, work, at + 360)
-    _store_row((c[4], c[9], c[13], c[16], c[18], c[19]), v, n0, n0_rate, gammas, work, at + 480)
-    _store_row((c[5], c[10], c[14], c[17], c[19], c[20]), v, n0, n0_rate, gammas, work, at + 600)
+    _store_row((c[1], c[6], c[7], c[8], c[9], c[10]), v, n0, n0_rate, gammas, work, at + 15)
+    _store_row((c[2], c[7], c[11], c[12], c[13], c[14]), v, n0, n0_rate, gammas, work, at + 30)
+    _store_row((c[3], c[8], c[12], c[15], c[16], c[17]), v, n0, n0_rate, gammas, work, at + 45)
+    _store_row((c[4], c[9], c[13], c[16], c[18], c[19]), v, n0, n0_rate, gammas, work, at + 60)
+    _store_row((c[5], c[10], c[14], c[17], c[19], c[20]), v, n0, n0_rate, gammas, work, at + 75)
     return gamma1, gamma2
 
 
@@ -118,40 +118,40 @@ def _scaled21(a: float, c: Any) -> Any:
 def _store_small(work: Floats, at: int, r_x: Vector, r_y: Vector, n0: Vector, gamma1: Vector, gamma2: Vector) -> None:
     """Store five vectors that make up ds/dg."""
     _store_vector(work, at, r_x)
-    _store_vector(work, at + 24, r_y)
-    _store_vector(work, at + 48, n0)
-    _store_vector(work, at + 72, gamma1)
-    _store_vector(work, at + 96, gamma2)
+    _store_vector(work, at + 3, r_y)
+    _store_vector(work, at + 6, n0)
+    _store_vector(work, at + 9, gamma1)
+    _store_vector(work, at + 12, gamma2)
 
 
 @njit
 def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: int, c: int, d: int) -> None:
     """Add (ds/dg)^T C dsdot/dg to the symmetric part for the components (c, d) and store the 25 entries at ``target``."""
     low, high = min(c, d), max(c, d)
-    source = symmetric + (low * (5 - low) // 2 + high) * 200
-    r_x, r_y, n0 = load(work, small + 8 * c), load(work, small + 24 + 8 * c), load(work, small + 48 + 8 * c)
-    down, across = (40, 8) if c <= d else (8, 40)
+    source = symmetric + (low * (5 - low) // 2 + high) * 25
+    r_x, r_y, n0 = load(work, small + c), load(work, small + 3 + c), load(work, small + 6 + c)
+    down, across = (5, 1) if c <= d else (1, 5)
     for v in range(5):
-        at, column = rates + 24 * v + 8 * d, source + across * v
-        y0, y1, y2 = load(work, at), load(work, at + 120), load(work, at + 240)
-        y3, y4, y5 = load(work, at + 360), load(work, at + 480), load(work, at + 600)
-        s = small + 72
-        along1 = load(work, s) * y3 + load(work, s + 8) * y4 + load(work, s + 16) * y5
-        along2 = load(work, s + 24) * y3 + load(work, s + 32) * y4 + load(work, s + 40) * y5
-        store(work, target + 8 * v, load(work, column) + r_x * y0 + r_y * y2 - n0 * along1)
-        store(work, target + 40 + 8 * v, load(work, column + down) + r_y * y1 + r_x * y2 - n0 * along2)
-        store(work, target + 80 + 8 * v, load(work, column + 2 * down) + n0 * y3)
-        store(work, target + 120 + 8 * v, load(work, column + 3 * down) + n0 * y4)
-        store(work, target + 160 + 8 * v, load(work, column + 4 * down) + n0 * y5)
+        at, column = rates + 3 * v + d, source + across * v
+        y0, y1, y2 = load(work, at), load(work, at + 15), load(work, at + 30)
+        y3, y4, y5 = load(work, at + 45), load(work, at + 60), load(work, at + 75)
+        s = small + 9
+        along1 = load(work, s) * y3 + load(work, s + 1) * y4 + load(work, s + 2) * y5
+        along2 = load(work, s + 3) * y3 + load(work, s + 4) * y4 + load(work, s + 5) * y5
+        store(work, target + v, load(work, column) + r_x * y0 + r_y * y2 - n0 * along1)
+        store(work, target + 5 + v, load(work, column + down) + r_y * y1 + r_x * y2 - n0 * along2)
+        store(work, target + 10 + v, load(work, column + 2 * down) + n0 * y3)
+        store(work, target + 15 + v, load(work, column + 3 * down) + n0 * y4)
+        store(work, target + 20 + v, load(work, column + 4 * down) + n0 * y5)
 
 
 @inlined
 def _gather_both(q: Floats, v: Floats, index: Ints, scale: Floats, block: int, table: Floats, n: int, work: Floats) -> None:
-    """Lines of the positions at work[384:] and of the velocities behind them."""
+    """Lines of the positions at lane 48 of work and of the velocities behind them."""
     gather(q, index, scale, block, work, 0)
-    interpolate_eta(work, 0, 384, table, n)
+    interpolate_eta(work, 0, 48, table, n)
     gather(v, index, scale, block, work, 0)
-    interpolate_eta(work, 0, 384 + 288 * n, table, n)
+    interpolate_eta(work, 0, 48 + 36 * n, table, n)
 
 
 @njit
@@ -167,9 +167,9 @@ def viscous_force(
     f: Floats,
     power: Floats,
 ) -> None:
-    """Viscous force of the elements, f (block, 48, 8), and the power they dissipate, power (block, 8)."""
-    lines, rates, sums = 384, 384 + 288 * n, 384 + 576 * n
-    for block in range(index.size // 384):
+    """Viscous force of the elements, f (block, 48), and the power they dissipate, power (block,)."""
+    lines, rates, sums = 48, 48 + 36 * n, 48 + 72 * n
+    for block in range(index.size // (48 * WIDTH)):
         _gather_both(q, v, index, scale, block, table, n, work)
         total = spread(0.0)
         for j in range(n):
@@ -177,11 +177,11 @@ def viscous_force(
                 g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
                 n0, d1, d2 = surface_frame(g[0], g[1])
                 s_rate = strain_rates(g, g_rate, n0, normal_rate(g_rate, n0, d1, d2))
-                res = resultants(stiffness(sections, ((block * n + j) * n + i) * N_SECTION * 8), s_rate)
+                res = resultants(stiffness(sections, ((block * n + j) * n + i) * N_SECTION), s_rate)
                 total = total + 2.0 * energy_density(res, s_rate)
-                spread_xi(gradient(g, n0, d1, d2, res), work, sums + j * 288, table, i, i == 0)
-        spread_eta(work, sums, table, n, f, block * 384)
-        store(power, block * 8, total)
+                spread_xi(gradient(g, n0, d1, d2, res), work, sums + j * 36, table, i, i == 0)
+        spread_eta(work, sums, table, n, f, block * 48)
+        store(power, block, total)
 
 
 @njit
@@ -198,15 +198,15 @@ def viscous_tangent(
     work: Floats,
     k: Floats,
 ) -> None:
-    """alpha_q df/dq + alpha_v df/dv of the viscous force, all entries, k (block, 2304, 8)."""
-    lines, rates, small = 384, 384 + 288 * n, 384 + 576 * n
-    rows = small + 120
-    symmetric = rows + 720
-    z = symmetric + 1200
-    partial = z + 120 * n
-    hessian = partial + 1152 * n
+    """alpha_q df/dq + alpha_v df/dv of the viscous force, all entries, k (block, 2304)."""
+    lines, rates, small = 48, 48 + 36 * n, 48 + 72 * n
+    rows = small + 15
+    symmetric = rows + 90
+    z = symmetric + 150
+    partial = z + 15 * n
+    hessian = partial + 144 * n
     position = 0
-    for block in range(index.size // 384):
+    for block in range(index.size // (48 * WIDTH)):
         _gather_both(q, v, index, scale, block, table, n, work)
         for j in range(n):
             for i in range(n):
@@ -220,21 +220,21 @@ def viscous_tangent(
                 )
                 n0, d1, d2 = surface_frame(g[0], g[1])
                 n0_rate = normal_rate(g_rate, n0, d1, d2)
-                c = stiffness(sections, ((block * n + j) * n + i) * N_SECTION * 8)
+                c = stiffness(sections, ((block * n + j) * n + i) * N_SECTION)
                 gamma1, gamma2 = _store_rate_rows(g, g_rate, n0, n0_rate, d1, d2, c, work, rows)
                 _store_small(work, small, g[0], g[1], n0, gamma1, gamma2)
                 res = resultants(c, strain_rates(g, g_rate, n0, n0_rate))
                 c = _scaled21(alpha_v, c)
-                store_hessian(work, symmetric, 200, hessian_factors(g, n0, d1, d2, c, res), c, res)
+                store_hessian(work, symmetric, 25, hessian_factors(g, n0, d1, d2, c, res), c, res)
                 for pair in range(9):
-                    target = hessian + ((pair * n + i) * n + j) * 200
+                    target = hessian + ((pair * n + i) * n + j) * 25
                     _merge_pair(work, small, rows, symmetric, target, pair // 3, pair % 3)
         for pair in range(9):
             for i in range(n):
-                contract_eta(work, hessian + (pair * n + i) * n * 200, z, partial, table, n, i, False)
+                contract_eta(work, hessian + (pair * n + i) * n * 25, z, partial, table, n, i, False)
             position = contract_xi(work, partial, table, n, k, position, False)
 
 
 def viscous_work_size(n: int) -> int:
-    """Numbers of work space for n x n Gauss points."""
-    return 384 + 2 * 288 * n + 120 + 720 + 1200 + 120 * n + 1152 * n + 9 * n * n * 200 + 288 * n
+    """Lanes of work space for n x n Gauss points."""
+    return 48 + 2 * 36 * n + 15 + 90 + 150 + 15 * n + 144 * n + 9 * n * n * 25 + 36 * n

@@ -6,6 +6,7 @@ from lamella.element.packing import aligned
 from lamella.element.plate48 import kernels
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.layout import GaussTables, Plate48Block
+from lamella.lane import WIDTH
 from lamella.roles import Floats, Ints
 
 
@@ -32,7 +33,7 @@ class ShellBlock(Plate48Block):
         super().__init__(name, coords, scale, reference, *upper_entries())
         tables = GaussTables(self, stiffness, n_gauss)
         self._tables = (self._index, self._scale, tables.sections, tables.table, tables.n)
-        self._work, self._energies = aligned(kernels.work_size(n_gauss)), aligned(8 * self.n_block)
+        self._work, self._energies = aligned(kernels.work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/de."""

@@ -10,27 +10,27 @@ from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.layout import Plate48Block
 from lamella.element.plate48.shape import product_order
-from lamella.lane import load, spread, store
+from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats, Ints
 
 
 @njit
 def deviations(q: Floats, index: Ints, scale: Floats, rest: Floats, out: Floats) -> None:
-    """Scaled coordinates of the elements less those at rest, out (block, 48, 8)."""
+    """Scaled coordinates of the elements less those at rest, out (block, 48)."""
     for k in range(index.size):
         out[k] = q[index[k]] * scale[k] - rest[k]
 
 
 @njit
 def symmetric_products(matrices: Floats, rows: Ints, columns: Ints, d: Floats, f: Floats) -> None:
-    """f = K d of each element, from the upper entries of K (block, entry, 8) at the given rows and columns."""
-    for block in range(d.size // 384):
-        at = block * 384
+    """f = K d of each element, from the upper entries of K (block, entry) at the given rows and columns."""
+    for block in range(d.size // (48 * WIDTH)):
+        at = block * 48
         for i in range(48):
-            store(f, at + 8 * i, spread(0.0))
+            store(f, at + i, spread(0.0))
         for m in range(rows.size):
-            row, column = at + 8 * rows[m], at + 8 * columns[m]
-            value = load(matrices, (block * rows.size + m) * 8)
+            row, column = at + rows[m], at + columns[m]
+            value = load(matrices, block * rows.size + m)
             store(f, row, load(f, row) + value * load(d, column))
             if row != column:
                 store(f, column, load(f, column) + value * load(d, row))
