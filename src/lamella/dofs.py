@@ -144,6 +144,7 @@ class Support:
         side: name of the body on which the reaction acts; every body when None.
         frame: joint frame in which the reaction is reported as well, None for the inertial frame alone.
         single: whether it is one row whose generalised force is reported, instead of force and torque.
+        edge: whether it holds an edge, whose end nodes another edge may hold as well.
     """
 
     name: str
@@ -153,6 +154,7 @@ class Support:
     side: str | None = None
     frame: Frame | None = None
     single: bool = False
+    edge: bool = False
 
 
 @dataclass
@@ -217,6 +219,7 @@ class Build:
         frame: Frame | None = None,
         *,
         single: bool = False,
+        edge: bool = False,
     ) -> None:
         """Add a support or joint, whose reaction force, and torque about ``centre``, are reported under ``name``.
 
@@ -228,7 +231,7 @@ class Build:
                 self.breakpoints.extend(row.motion.breakpoints)
             self._add(row, self.dots)
         numbers = tuple(range(linear, len(self.rows))), tuple(range(dots, len(self.dots)))
-        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame, single))
+        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame, single, edge))
 
     def constrain(self, block: ConstraintBlock) -> None:
         """Add a block of constraints with multipliers, and the jumps of its motions."""

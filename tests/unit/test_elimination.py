@@ -54,6 +54,7 @@ def test_weighted_and_repeated_rows():
     found = eliminate(rows, 4)
     assert found.kept == (0, 1)
     assert found.T.shape == (4, 2)
+    assert found.relations == ({2: 1.0, 0: -2.0, 1: 4.0},)
 
 
 def test_contradiction_names_both_sides():

@@ -97,7 +97,7 @@ def pendulum(*more):
 
 
 def test_a_joint_given_twice_is_redundant_and_both_are_named():
-    """Between two moving bodies the angles of both take multipliers; towards the ground all is linear and repeats silently."""
+    """Between two moving bodies the angles of both take multipliers; towards the ground all is linear (``test_relations.py``)."""
     system, ground = lm.System(), lm.Ground()
     first, a, b = link("first", (0.0, 0.0), (1.0, 0.2), 2.0)
     second, c, _ = link("second", (1.0, 0.2), (1.5, 0.9), 1.0)

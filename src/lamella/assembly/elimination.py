@@ -27,6 +27,7 @@ class Elimination:
         C: the constraints kept, sparse (n_rows, n_q), with full row rank.
         kept: rows of the model that were kept; the others repeat these.
         rows: the rows kept, in the order of ``C``.
+        relations: for each row that repeats others the relation sum_k x_k row_k = 0 as {k: x_k}; its own x is 1.
     """
 
     def __init__(
@@ -37,7 +38,9 @@ class Elimination:
         C: sparse.csr_array,
         kept: tuple[int, ...],
         rows: tuple[LinearRow, ...],
+        relations: tuple[dict[int, float], ...] = (),
     ) -> None:
+        self.relations = relations
         self.independent, self.T, self.G, self.C, self.kept, self.rows = independent, T, G, C, kept, rows
         self._constant = np.array([row.constant for row in rows])
         self._moving = [(k, row.motion) for k, row in enumerate(rows) if row.motion is not None]
@@ -82,10 +85,12 @@ def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
     solved: dict[int, tuple[dict[int, float], dict[int, float]]] = {}
     users: dict[int, set[int]] = {}
     kept: list[int] = []
+    relations: list[dict[int, float]] = []
     for number, row in enumerate(rows):
         terms, sources = _substitute(row, number, solved)
         if not terms:
             _check_repeated(row, sources, rows)
+            relations.append(sources)
             continue
         kept.append(number)
         pivot = max(terms, key=lambda c: abs(terms[c]))
@@ -98,7 +103,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
         solved[pivot] = expression
         for c in expression[0]:
             users.setdefault(c, set()).add(pivot)
-    return _matrices(rows, kept, solved, n_q)
+    return _matrices(rows, kept, solved, n_q, tuple(relations))
 
 
 Expression = tuple[dict[int, float], dict[int, float]]
@@ -143,7 +148,13 @@ def _check_repeated(row: LinearRow, sources: dict[int, float], rows: Sequence[Li
         )
 
 
-def _matrices(rows: Sequence[LinearRow], kept: list[int], solved: dict[int, Expression], n_q: int) -> Elimination:
+def _matrices(
+    rows: Sequence[LinearRow],
+    kept: list[int],
+    solved: dict[int, Expression],
+    n_q: int,
+    relations: tuple[dict[int, float], ...],
+) -> Elimination:
     independent = np.array([c for c in range(n_q) if c not in solved], dtype=np.int64)
     column = {int(c): k for k, c in enumerate(independent)}
     source = {number: k for k, number in enumerate(kept)}
@@ -162,6 +173,7 @@ def _matrices(rows: Sequence[LinearRow], kept: list[int], solved: dict[int, Expr
         _sparse(c_entries, (len(kept), n_q)),
         tuple(kept),
         tuple(rows[number] for number in kept),
+        relations,
     )
 
 

@@ -14,6 +14,7 @@ from lamella.assembly.independence import Redundancy, described, independent_row
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, mass_operator
 from lamella.assembly.point import Point, Weights
+from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
 from lamella.model import Model
 from lamella.roles import Floats
@@ -39,8 +40,8 @@ class Equations:
         self.constraints = ConstraintStack(model.constraints)
         self.notes: list[str] = []
         """What the user should know about the equations."""
-        self.redundant: tuple[Redundancy, ...] = ()
-        """Rows of joints that are left out."""
+        self.redundant: list[Redundancy] = []
+        """Rows with multipliers that are left out and must be watched."""
         blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
@@ -50,7 +51,7 @@ class Equations:
         self._at_rest = np.zeros(model.n_q)
         self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
         self._row_size = np.zeros(0)
-        if self.constraints.n_all:
+        if self.constraints.n_all or self.elimination.relations:
             self._keep_independent()
 
     @property
@@ -63,6 +64,11 @@ class Equations:
         """Number of independent motions."""
         return self.n_u - self.n_lam
 
+    @property
+    def locked(self) -> bool:
+        """Whether nothing can move and nothing is driven."""
+        return self.mobility <= 0 and not (self.elimination.moves or self.constraints.moves)
+
     def _keep_independent(self) -> None:
         """Leave out rows that repeat others in the initial configuration.
 
@@ -74,17 +80,26 @@ class Equations:
         matrix = self.constraints.matrix(0.0, self.coordinates(start))
         self._row_size = np.sqrt(matrix.power(2) @ self.model.magnitude**2)
         jacobian = sparse.csr_array(matrix @ self.elimination.T).toarray() * self.magnitude
-        kept, redundant = independent_rows(jacobian, self.constraints.of_bodies)
+        kept, self.redundant = independent_rows(jacobian, self.constraints.of_bodies)
+        self.constraints.kept = kept
+        if len(kept) == self.constraints.n_all and not self.elimination.relations:
+            return
+        rows = Rows.of(self.model, self.constraints, self._row_size)
+        R = relations(rows, self.elimination, matrix, jacobian, kept)
+        redundant, overlaps = told_apart(rows, repeated_rows(rows, R, len(self.elimination.relations)))
         if redundant:
-            found = described(redundant, self.constraints.labels)
+            found = described(redundant, rows.described)
             if self.model.redundant == "raise":
+                locked = "; without it the system is locked by its joints, nothing can move" if self.locked else ""
                 raise ConstraintError(
                     f"redundant in the initial position: {found}. Use joints that hold less (cylindrical, spherical, point on "
-                    "line) or let the system drop what is redundant; a mechanism in a singular position shows the same"
+                    f"line) or let the system drop what is redundant; a mechanism in a singular position shows the same{locked}"
                 )
             self.notes.append(f"left out as redundant: {found}")
-            self.redundant = tuple(redundant)
-        self.constraints.kept = kept
+            if any(item.by_bodies for item in redundant):  # linear rows stayed, and rows of bodies went in their place
+                gone = np.setdiff1d(np.flatnonzero(self.constraints.of_bodies), kept)
+                self.redundant += [Redundancy(int(row), (), by_bodies=True) for row in gone]
+        self.notes += overlaps_described(rows, overlaps)
 
     @cached_property
     def matrix(self) -> MatrixAssembly:
@@ -163,7 +178,7 @@ class Equations:
             violations[" in velocity"] = self.constraints.rate_of_all(point.t, q, v) / (fastest * self._row_size)
         labels, found = self.constraints.labels, []
         for item in self.redundant:
-            others = ", ".join(labels[k] for k in item.repeats) or "the bodies"
+            others = ", ".join(labels[k] for k in item.repeats) or ("the joints" if item.by_bodies else "the bodies")
             sizes = [(abs(phi[item.row]), kind) for kind, phi in violations.items() if abs(phi[item.row]) > tolerance]
             found += [f"{labels[item.row]} against {others}{kind} (by {size:.2g} of their size)" for size, kind in sizes[:1]]
         return "; ".join(found)

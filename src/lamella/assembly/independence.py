@@ -22,11 +22,13 @@ class Redundancy:
 
     Args:
         row: its number.
-        repeats: numbers of the rows whose combination it is.
+        repeats: numbers of the rows of joints whose combination it is.
+        by_bodies: whether rows of bodies take part.
     """
 
     row: int
     repeats: tuple[int, ...]
+    by_bodies: bool = False
 
 
 def independent_rows(jacobian: Floats, of_bodies: Bools) -> tuple[Ints, list[Redundancy]]:

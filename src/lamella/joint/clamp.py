@@ -41,7 +41,7 @@ class Clamp(Declaration):
             rows += hold_point(build, self.on, AXES, "slope_x") + hold_point(build, self.on, AXES, "slope_y")
         else:
             rows = hold_edge(build, self.on, self.on.body.compiled(build).element.vector_names, AXES, self.motion)
-        build.hold(self.name, rows, centre(build, self.on))
+        build.hold(self.name, rows, centre(build, self.on), edge=not isinstance(self.on, Marker))
 
 
 def check_axes(item: Declaration, axes: str) -> None:

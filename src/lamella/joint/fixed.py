@@ -48,9 +48,11 @@ class FixedJoint(Joint):
             if self.a.body.name == self.b.body.name:
                 raise DeclarationError(self.item, f"{self.a} and {self.b} are on one body", "accepted are places of two bodies")
             frame = self.a.frame(build, self.axes())
-            build.hold(self.name, self._edge_rows(build, frame, self.b), centre(build, self.b), self.b.body.name, frame)
+            build.hold(
+                self.name, self._edge_rows(build, frame, self.b), centre(build, self.b), self.b.body.name, frame, edge=True
+            )
         elif isinstance(self.a, Edge) and isinstance(self.b, Edge):
-            build.hold(self.name, self._weld(build, self.a, self.b), centre(build, self.b), self.b.body.name)
+            build.hold(self.name, self._weld(build, self.a, self.b), centre(build, self.b), self.b.body.name, edge=True)
         else:
             raise DeclarationError(self.item, f"a is the edge {self.a} and b the marker {self.b}", "accepted is the marker as a")
 

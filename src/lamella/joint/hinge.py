@@ -52,7 +52,7 @@ class EdgeHinge(Declaration):
         """Add rows, reaction and the hinge's angle."""
         pair = edge_pair(self.item, build, self.a, self.b)
         middle = pair.on_a(0.5 * pair.length)
-        build.hold(self.name, self._rows(pair), middle.point, self.b.body.name)
+        build.hold(self.name, self._rows(pair), middle.point, self.b.body.name, edge=self.points is None)
         build.signals.extend(angle_signals(self.name, self.turns_at(pair, (0.5,))[0]))
 
     def turns_of(self, build: Build) -> list[Term]:

@@ -58,7 +58,7 @@ class EdgeSupport(Declaration):
     def contribute(self, build: Build) -> None:
         """Hold position and tangential slope at the edge's nodes."""
         along, _ = self.on.body.compiled(build).edge_slope(self.on.side)
-        build.hold(self.name, hold_edge(build, self.on, ("r", along), self.axes), centre(build, self.on))
+        build.hold(self.name, hold_edge(build, self.on, ("r", along), self.axes), centre(build, self.on), edge=True)
 
 
 @declaration

@@ -92,7 +92,7 @@ def refuse_locked(equations: Equations) -> None:
     Raises:
         ModelError: joints lock it; they are named.
     """
-    if equations.mobility > 0 or equations.elimination.moves or equations.constraints.moves:
+    if not equations.locked:
         return
     own = {"joints", "bodies"}  # blocks of rows from many items
     names = [support.name for support in equations.model.supports]
