@@ -83,7 +83,7 @@ def quantity(unit: str, **limits: float) -> Any:
 if TYPE_CHECKING:
     Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
     Force = ForcePerLength = Pressure = Torque = TorquePerLength = Velocity = AngularVelocity = Acceleration = Rate = float
-    Expansion = Inertia = Product = float
+    Expansion = Conductivity = SpecificHeat = Inertia = Product = float
     Stiffness = Damping = TorsionalStiffness = TorsionalDamping = float
 else:
     Number = quantity("")
@@ -106,6 +106,8 @@ else:
     Acceleration = quantity("m/s^2")
     Rate = quantity("1/s", ge=0)
     Expansion = quantity("1/K")
+    Conductivity = quantity("W/(m*K)", gt=0)
+    SpecificHeat = quantity("J/(kg*K)", gt=0)
     Inertia = quantity("kg*m^2", gt=0)
     Product = quantity("kg*m^2")
     Stiffness = quantity("N/m", ge=0)

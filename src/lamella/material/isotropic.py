@@ -9,7 +9,7 @@ from pydantic import Discriminator, Tag
 
 from lamella.declaration import declaration
 from lamella.material.lamina import Lamina
-from lamella.units import Density, Expansion, Modulus, Number
+from lamella.units import Conductivity, Density, Expansion, Modulus, Number, SpecificHeat
 
 
 @declaration
@@ -22,6 +22,8 @@ class Isotropic:
         rho: density [kg/m^3].
         alpha: thermal expansion [1/K].
         strength: largest allowed von Mises stress [Pa].
+        k: thermal conductivity [W/(m K)]; needed where heat is conducted.
+        c: specific heat [J/(kg K)]; needed where heat is stored.
 
     Raises:
         DeclarationError: a value outside its range.
@@ -32,6 +34,8 @@ class Isotropic:
     rho: Density
     alpha: Expansion = 0.0
     strength: Modulus | None = None
+    k: Conductivity | None = None
+    c: SpecificHeat | None = None
 
     def __post_init__(self) -> None:
         """Refuse a Poisson's ratio with which the material would release energy."""
@@ -48,7 +52,8 @@ class Isotropic:
         """The same material as a ply. Its shear strength is strength / sqrt(3), with which Tsai-Hill is von Mises."""
         X = self.strength
         S = None if X is None else X / math.sqrt(3.0)
-        return Lamina(self.E, self.E, self.G, self.nu, self.rho, self.alpha, self.alpha, X, X, X, X, S)
+        heat = {"k1": self.k, "k2": self.k, "k3": self.k, "c": self.c}
+        return Lamina(self.E, self.E, self.G, self.nu, self.rho, self.alpha, self.alpha, X, X, X, X, S, **heat)
 
 
 def _kind(value: object) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
-from lamella.units import Density, Expansion, Modulus, Number
+from lamella.units import Conductivity, Density, Expansion, Modulus, Number, SpecificHeat
 
 
 @declaration
@@ -32,10 +32,15 @@ class Lamina:
         Yt: tensile strength across the fibres [Pa].
         Yc: compressive strength across the fibres, a positive number [Pa].
         S12: shear strength in the plane [Pa].
+        k1: thermal conductivity along the fibres [W/(m K)]; needed, with k2, where heat is conducted.
+        k2: thermal conductivity across the fibres in the plane [W/(m K)].
+        k3: thermal conductivity through the thickness [W/(m K)]; that of k2 when left out, as in a ply that is transversely
+            isotropic.
+        c: specific heat [J/(kg K)]; needed where heat is stored.
 
     Raises:
-        DeclarationError: a modulus, density or strength that is not positive, or a Poisson's ratio with which straining the ply
-            would release energy.
+        DeclarationError: a modulus, density, strength, conductivity or specific heat that is not positive, one of k1 and k2
+            without the other, or a Poisson's ratio with which straining the ply would release energy.
 
     Source: Jones, Mechanics of Composite Materials (2nd ed., 1999), sections 2.3 to 2.5.
     """
@@ -52,12 +57,21 @@ class Lamina:
     Yt: Modulus | None = None
     Yc: Modulus | None = None
     S12: Modulus | None = None
+    k1: Conductivity | None = None
+    k2: Conductivity | None = None
+    k3: Conductivity | None = None
+    c: SpecificHeat | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a stiffness that is not positive definite."""
+        """Refuse a stiffness that is not positive definite, and conductivities of which some cannot be told."""
         limit = math.sqrt(self.E1 / self.E2)
         if abs(self.nu12) >= limit:
             raise ValueError(f"nu12 = {self.nu12:g}; accepted is abs(nu12) < sqrt(E1 / E2) = {limit:.4g}, else nu12 nu21 >= 1")
+        if (self.k1 is None) != (self.k2 is None) or (self.k3 is not None and self.k1 is None):
+            given = [f"{name} = {k:g}" for name, k in (("k1", self.k1), ("k2", self.k2), ("k3", self.k3)) if k is not None]
+            raise ValueError(
+                f"{' and '.join(given)} alone; accepted are k1 along and k2 across the fibres together, with or without k3"
+            )
 
     @property
     def nu21(self) -> float:
@@ -90,6 +104,50 @@ def strengths(lamina: Lamina) -> Strengths:
             "accepted are positive stresses for all of Xt, Xc, Yt, Yc, S12 (for Isotropic: strength)",
         )
     return Strengths(**given)
+
+
+class Conductivities(NamedTuple):
+    """Thermal conductivities of a ply along and across the fibres and through the thickness [W/(m K)]."""
+
+    k1: float
+    k2: float
+    k3: float
+
+
+def conductivities(lamina: Lamina, item: str = "Lamina") -> Conductivities:
+    """The three thermal conductivities of a ply material, k3 being k2 when it is not given.
+
+    Args:
+        lamina: ply material.
+        item: what it is the material of, for the message.
+
+    Raises:
+        DeclarationError: k1 and k2 are not given.
+    """
+    if lamina.k1 is None or lamina.k2 is None:
+        raise DeclarationError(
+            item,
+            "conduction of heat needs the thermal conductivity, which is not given",
+            "accepted are positive k1 and k2 in W/(m*K) (for Isotropic: k)",
+        )
+    return Conductivities(lamina.k1, lamina.k2, lamina.k2 if lamina.k3 is None else lamina.k3)
+
+
+def specific_heat(lamina: Lamina, item: str = "Lamina") -> float:
+    """The specific heat of a ply material [J/(kg K)].
+
+    Args:
+        lamina: ply material.
+        item: what it is the material of, for the message.
+
+    Raises:
+        DeclarationError: it is not given.
+    """
+    if lamina.c is None:
+        raise DeclarationError(
+            item, "storing heat needs the specific heat c, which is not given", "accepted is a positive c in J/(kg*K)"
+        )
+    return lamina.c
 
 
 def reduced_stiffness(lamina: Lamina) -> Floats:
@@ -151,3 +209,19 @@ def rotated_expansion(lamina: Lamina, angle: float) -> Floats:
         Expansion (eps_x, eps_y, gamma_xy) per kelvin [1/K], shape (3,).
     """
     return stress_transformation(angle).T @ np.array([lamina.alpha1, lamina.alpha2, 0.0])
+
+
+def rotated_conductivity(along: float, across: float, angle: float) -> Floats:
+    """Conductivity in the plane in the element axes, ``k = R diag(along, across) R^T``; it turns as a tensor of second order.
+
+    Args:
+        along: conductivity along the fibres [W/(m K)].
+        across: conductivity across the fibres in the plane [W/(m K)].
+        angle: from the element x axis to the fibres [deg].
+
+    Returns:
+        Conductivity of the heat flux ``-k grad T`` [W/(m K)], shape (2, 2).
+    """
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    mixed = c * s * (along - across)
+    return np.array([[c * c * along + s * s * across, mixed], [mixed, s * s * along + c * c * across]])

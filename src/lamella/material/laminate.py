@@ -1,4 +1,4 @@
-"""A stack of plies: stiffness A, B, D, thermal resultants and mass per area of the section.
+"""A stack of plies: stiffness A, B, D, thermal resultants, conduction and storage of heat, and mass per area of the section.
 
 Signs: the strain at height z above the reference surface is ``E(z) = eps - z kap`` with ``kap = r_xx . n0``, and the moments are
 those that do work on kap. Hence ``M = -integral z sigma dz``, and B enters with a minus:
@@ -20,7 +20,14 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from lamella.declaration import declaration
 from lamella.material.isotropic import Isotropic, Material
-from lamella.material.lamina import Lamina, rotated_expansion, rotated_stiffness
+from lamella.material.lamina import (
+    Lamina,
+    conductivities,
+    rotated_conductivity,
+    rotated_expansion,
+    rotated_stiffness,
+    specific_heat,
+)
 from lamella.roles import Floats
 from lamella.units import Length, Thickness, quantity
 
@@ -171,6 +178,46 @@ class Laminate:
         """``sum integral Dk alpha_k z^p dz`` for p = 0, 1, 2 [N/(m K), N/K, N m/K], shape (3, 3); row p."""
         stress = np.einsum("kij,kj->ki", self.Dk, self.alpha)
         return _read_only(np.array([self._z_moments(p) @ stress for p in range(3)]))
+
+    @cached_property
+    def heat_capacity(self) -> Floats:
+        """``sum integral rho_k c_k z^p dz`` for p = 0, 1, 2 [J/(m^2 K), J/(m K), J/K], shape (3,).
+
+        Raises:
+            DeclarationError: a ply's specific heat is not given.
+        """
+        pairs = zip(self.laminas, self._items, strict=True)
+        rho_c = np.array([lamina.rho * specific_heat(lamina, item) for lamina, item in pairs])
+        return _read_only(np.array([self._z_moments(p) @ rho_c for p in range(3)]))
+
+    @cached_property
+    def conductivity(self) -> Floats:
+        """``sum integral k z^p dz`` for p = 0, 1, 2 [W/K, W m/K, W m^2/K], shape (3, 2, 2), with the plies' tensors in the plane.
+
+        Raises:
+            DeclarationError: a ply's conductivity is not given.
+        """
+        found = [conductivities(lamina, item) for lamina, item in zip(self.laminas, self._items, strict=True)]
+        plies = np.array([rotated_conductivity(k.k1, k.k2, ply.angle) for k, ply in zip(found, self.layers, strict=True)])
+        return _read_only(np.array([np.tensordot(self._z_moments(p), plies, 1) for p in range(3)]))
+
+    @cached_property
+    def conductivity_through(self) -> float:
+        """``sum integral k3 dz`` [W/K]: what conducts heat from side to side under a gradient T_M.
+
+        With a temperature that is linear in z, the weak form's ``integral k3 (dT/dz)^2 dz = T_M^2 sum integral k3 dz`` takes the
+        arithmetic mean of the plies' k3. Plies in series would have the harmonic mean, and a temperature with kinks.
+
+        Raises:
+            DeclarationError: a ply's conductivity is not given.
+        """
+        k3 = np.array([conductivities(lamina, item).k3 for lamina, item in zip(self.laminas, self._items, strict=True)])
+        return float(self._z_moments(0) @ k3)
+
+    @property
+    def _items(self) -> tuple[str, ...]:
+        """The plies' materials in messages."""
+        return tuple(f"{type(ply.material).__name__} of ply {k} (0 at the bottom)" for k, ply in enumerate(self.layers))
 
     def _z_moments(self, p: int) -> Floats:
         """``integral z^p dz`` over each ply, shape (n_ply,)."""
