@@ -77,6 +77,13 @@ if TYPE_CHECKING:
     from lamella.statics import equilibrium as equilibrium
     from lamella.statics import equilibrium_path as equilibrium_path
     from lamella.system import System as System
+    from lamella.thermal.field import TemperatureField as TemperatureField
+    from lamella.thermal.prescribed import PrescribedTemperature as PrescribedTemperature
+    from lamella.thermal.solar import SolarFlux as SolarFlux
+    from lamella.thermal.surface import Film as Film
+    from lamella.thermal.surface import HeatFlux as HeatFlux
+    from lamella.thermal.surface import HeatSource as HeatSource
+    from lamella.thermal.surface import Radiation as Radiation
 
 _HOME = {
     "body.ground": ("Ground",),
@@ -113,6 +120,10 @@ _HOME = {
     "load.spring": ("SlideSpring", "SpringDamper", "TorsionSpring"),
     "load.stop": ("EndStop", "Latch"),
     "load.user": ("UserForce",),
+    "thermal.field": ("TemperatureField",),
+    "thermal.prescribed": ("PrescribedTemperature",),
+    "thermal.solar": ("SolarFlux",),
+    "thermal.surface": ("Film", "HeatFlux", "HeatSource", "Radiation"),
     "material.isotropic": ("Isotropic",),
     "material.lamina": ("Lamina",),
     "material.laminate": ("Laminate", "Ply"),

@@ -143,8 +143,9 @@ class Support:
         dots: numbers of its rows among the dot rows of the joints.
         side: name of the body on which the reaction acts; every body when None.
         frame: joint frame in which the reaction is reported as well, None for the inertial frame alone.
-        single: whether it is one row whose generalised force is reported, instead of force and torque.
+        single: whether one generalised force is reported, the sum over its rows, instead of force and torque.
         edge: whether it holds an edge, whose end nodes another edge may hold as well.
+        quantity: name and unit of that force.
     """
 
     name: str
@@ -155,6 +156,21 @@ class Support:
     frame: Frame | None = None
     single: bool = False
     edge: bool = False
+    quantity: tuple[str, str] = ("force", "N")
+
+
+class ScalarField(Protocol):
+    """A field of scalars, such as temperatures, whose values are coordinates behind the vectors."""
+
+    name: str
+    first: int
+    """Number of its first coordinate."""
+    magnitude: Floats
+    """Typical size of a change of each value, shape (n,)."""
+
+    def describe(self, coordinate: int) -> str:
+        """A value in words, by its coordinate."""
+        ...
 
 
 @dataclass
@@ -181,6 +197,8 @@ class Build:
     frames: dict[str, Frame] = field(default_factory=dict)
     owners: list[str] = field(default_factory=list)
     n_vectors: int = 0
+    fields: list[ScalarField] = field(default_factory=list)
+    temperatures: list[Floats] = field(default_factory=list)
 
     def vectors(self, owner: str, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
         """Number a body's coordinate vectors.
@@ -195,7 +213,12 @@ class Build:
 
         Returns:
             The number of the first vector.
+
+        Raises:
+            ModelError: scalar fields, which lie behind all vectors, are numbered already.
         """
+        if self.fields:
+            raise ModelError(f"vectors of '{owner}' would be numbered behind the field '{self.fields[0].name}'")
         first = self.n_vectors
         self.q.append(np.asarray(q, float))
         self.v.append(np.asarray(v, float))
@@ -203,6 +226,18 @@ class Build:
         self.magnitude.append(np.asarray(magnitude, float))
         self.n_vectors += len(q)
         self.owners.extend([owner] * len(q))
+        return first
+
+    def scalars(self, scalar_field: ScalarField, values: Floats) -> int:
+        """Number the values of a scalar field, behind all vectors; gives the number of the first coordinate.
+
+        Args:
+            scalar_field: the field.
+            values: initial values, shape (n,).
+        """
+        first = 3 * self.n_vectors + sum(map(len, self.temperatures))
+        self.fields.append(scalar_field)
+        self.temperatures.append(np.asarray(values, float))
         return first
 
     @property
@@ -220,6 +255,7 @@ class Build:
         *,
         single: bool = False,
         edge: bool = False,
+        quantity: tuple[str, str] = ("force", "N"),
     ) -> None:
         """Add a support or joint, whose reaction force, and torque about ``centre``, are reported under ``name``.
 
@@ -231,7 +267,7 @@ class Build:
                 self.breakpoints.extend(row.motion.breakpoints)
             self._add(row, self.dots)
         numbers = tuple(range(linear, len(self.rows))), tuple(range(dots, len(self.dots)))
-        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame, single, edge))
+        self.supports.append(Support(name, numbers[0], centre, numbers[1], side, frame, single, edge, quantity))
 
     def constrain(self, block: ConstraintBlock) -> None:
         """Add a block of constraints with multipliers, and the jumps of its motions."""

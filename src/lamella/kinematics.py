@@ -13,6 +13,11 @@ import numpy as np
 from lamella.roles import Floats, Ints
 
 
+def vectors_of(coordinates: Floats) -> Floats:
+    """All coordinates (n_q,) as vectors, shape (n, 3); what lies behind the vectors is never referred to by a vector's number."""
+    return coordinates[: len(coordinates) - len(coordinates) % 3].reshape(-1, 3)
+
+
 @dataclass(frozen=True)
 class VectorRows:
     """A vector in space as a linear function of coordinate vectors x_k: sum_k weight_k x_k + constant.

@@ -23,7 +23,7 @@ RIGID_MODES = 7
 
 @dataclass(frozen=True)
 class Modes:
-    """Natural modes K phi = omega^2 M phi about a state, phi^T M phi = 1.
+    """Natural modes K phi = omega^2 M phi about a state, phi^T M phi = 1. Temperatures stay as they are.
 
     Args:
         model: the compiled model.
@@ -43,7 +43,7 @@ class Modes:
         A rigid body that turns about its origin is displaced as far as its points at its reach are.
         """
         shape = self.shapes[:, mode]
-        moved = np.linalg.norm(shape.reshape(-1, 3), axis=1)
+        moved = np.linalg.norm(self.model.vectors(shape), axis=1)
         largest = moved[self.model.is_position].max()
         for body in self.model.rigid_bodies:
             reach = self.model.magnitude[3 * body.first]
@@ -65,18 +65,20 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
     """
     model = system.compile() if isinstance(system, System) else system
     equations = Equations(model)
-    free = equations.n_u - equations.n_lam
+    free = equations.mobility
     if not 1 <= n <= free - 1:
         raise DeclarationError("modes", f"n = {n}", f"accepted is 1 to {free - 1} for this system")
     point = equations.start(at_rest=True) if state is None else equations.point_of(state, state.t)
     point.at_rest, point.factor = True, 1.0 if state is None else state.factor
     _, _, k, j = equations.linearise(point, STATIC)
     pattern = equations.matrix.pattern
-    K, J = sparse.csc_array(pattern.matrix(k.copy())), pattern.jacobian(j.copy())
-    M = sparse.csc_array(pattern.matrix(equations.matrix.mass))
-    values, vectors = _lowest(K, M, J, n, equations.magnitude)
+    own = slice(equations.n_motion)
+    K, M = (sparse.csc_array(sparse.csr_array(pattern.matrix(x))[own, own]) for x in (k.copy(), equations.matrix.mass))
+    values, vectors = _lowest(K, M, sparse.csr_array(pattern.jacobian(j.copy())[:, own]), n, equations.magnitude[own])
     frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
-    return Modes(model, frequencies, equations.elimination.T @ vectors, equations.coordinates(point))
+    shapes = np.zeros((equations.n_u, n))
+    shapes[own] = vectors
+    return Modes(model, frequencies, equations.elimination.T @ shapes, equations.coordinates(point))
 
 
 def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:

@@ -11,7 +11,7 @@ from scipy import sparse
 from lamella.body.mesh import PlateMesh
 from lamella.body.rigid_frame import RigidFrame
 from lamella.constraint.dot_block import DotBlock
-from lamella.dofs import Build, DotRow, LinearRow, Signal, Support, Trigger
+from lamella.dofs import Build, DotRow, LinearRow, ScalarField, Signal, Support, Trigger
 from lamella.errors import ModelError
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
 from lamella.state import State
@@ -39,6 +39,7 @@ class Model:
         plates: compiled plates, for pictures and fields.
         triggers: events that may happen in a run.
         rigid_bodies: compiled rigid bodies, for pictures.
+        fields: scalar fields, whose values are the coordinates behind those of the vectors.
         redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
         description: the system as data for result files, None when it was not given.
     """
@@ -60,6 +61,7 @@ class Model:
     plates: tuple[PlateMesh, ...]
     triggers: tuple[Trigger, ...] = ()
     rigid_bodies: tuple[RigidFrame, ...] = ()
+    fields: tuple[ScalarField, ...] = ()
     redundant: Literal["raise", "drop"] = "raise"
     description: Any = field(default=None, compare=False)
 
@@ -79,12 +81,23 @@ class Model:
         return len(self.q0)
 
     @property
+    def n_motion(self) -> int:
+        """Number of coordinates that are components of vectors; the others are values of scalar fields."""
+        return 3 * len(self.is_position)
+
+    def vectors(self, coordinates: Floats) -> Floats:
+        """The vectors among all coordinates (n_q,), shape (n_vectors, 3)."""
+        return coordinates[: self.n_motion].reshape(-1, 3)
+
+    @property
     def n_lam(self) -> int:
         """Number of Lagrange multipliers."""
         return sum(block.n_lam for block in self.constraints)
 
     def describe(self, coordinate: int) -> str:
         """A coordinate in words, for messages."""
+        if coordinate >= self.n_motion:
+            return next(f for f in reversed(self.fields) if f.first <= coordinate).describe(coordinate)
         vector, component = divmod(coordinate, 3)
         for plate in self.plates:
             if plate.first <= vector < plate.first + len(plate.is_position):
@@ -105,14 +118,14 @@ class Model:
         if build.n_vectors == 0:
             raise ModelError("the system has no body; add at least one, for example system.add(Plate(...))")
         _refuse_twins(build.signals)
-        n_q = 3 * build.n_vectors
+        n_q = 3 * build.n_vectors + sum(map(len, build.temperatures))
         parts = [sparse.coo_array((m, (i, j)), shape=(n_q, n_q)) for i, j, m in (block.mass() for block in build.inertias)]
         mass = sparse.csr_array(sum(parts, start=sparse.coo_array((n_q, n_q))))
         return cls(
-            q0=np.concatenate(build.q).reshape(-1),
-            v0=np.concatenate(build.v).reshape(-1),
+            q0=np.concatenate([np.concatenate(build.q).reshape(-1), *build.temperatures]),
+            v0=np.concatenate([np.concatenate(build.v).reshape(-1), *map(np.zeros_like, build.temperatures)]),
             is_position=np.concatenate(build.is_position),
-            magnitude=np.repeat(np.concatenate(build.magnitude), 3),
+            magnitude=np.concatenate([np.repeat(np.concatenate(build.magnitude), 3), *(f.magnitude for f in build.fields)]),
             mass=mass,
             forces=tuple(build.forces),
             loads=tuple(build.loads),
@@ -126,6 +139,7 @@ class Model:
             breakpoints=tuple(sorted(set(build.breakpoints))),
             plates=tuple(body for body in build.bodies.values() if isinstance(body, PlateMesh)),
             rigid_bodies=tuple(body for body in build.bodies.values() if isinstance(body, RigidFrame)),
+            fields=tuple(build.fields),
             redundant=redundant,
             description=description,
         )

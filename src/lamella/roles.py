@@ -11,6 +11,8 @@ operator, which also eliminates constrained coordinates, so no block knows of nu
 
 All coordinates are components of vectors in the inertial frame (positions, slopes, directors), three to a vector: coordinate
 ``3 k + c`` is component c of vector k. A rigid translation changes the vectors that are positions, a rotation turns all of them.
+Behind the vectors lie the values of scalar fields (temperatures). They have no inertia: their rows of f are first-order equations
+of the fields and their rates.
 """
 
 from __future__ import annotations
@@ -72,8 +74,10 @@ class ForceBlock(ABC):
     name: str
     symmetry: Symmetry = "symmetric"
     depends_on_velocity: bool = False
+    first_order: bool = False
+    """Whether it acts on the rows of scalar fields; ``alpha_v`` is then the weight of their rates."""
     varies: bool = False
-    """Whether the potential depends on time as well, as that of an actuator does."""
+    """Whether the potential depends on time or temperature as well, as that of an actuator or of a heated shell does."""
     f_coords: Ints
     f_scale: Floats
     k_rows: Ints

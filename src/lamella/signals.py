@@ -12,6 +12,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
+from lamella.kinematics import vectors_of
 from lamella.roles import Floats, ForceBlock
 from lamella.state import State
 
@@ -38,8 +39,9 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     places = {row: k for k, row in enumerate(equations.elimination.kept)}
     own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
     if support.single:
+        kind, unit = support.quantity
         return [
-            Signal(f"{support.name}.force", "N", (), lambda s: float(s.mu[own].sum()), f"generalised force of {support.name}")
+            Signal(f"{support.name}.{kind}", unit, (), lambda s: float(s.mu[own].sum()), f"generalised {kind} of {support.name}")
         ]
     transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((model.n_q, 0))
     dots = DotBlock(support.name, [model.dots[row] for row in support.dots]) if support.dots else None
@@ -65,7 +67,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
         return is_position @ shared(state)
 
     def torque(state: State) -> Floats:
-        x, f = state.q.reshape(-1, 3), shared(state)
+        x, f = vectors_of(state.q), shared(state)
         P = x[vectors].T @ f - np.outer(support.centre.at(x), is_position @ f)
         return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
 
@@ -79,7 +81,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
         return signals
 
     def local(evaluate: Callable[[State], Floats]) -> Callable[[State], Floats]:
-        return lambda state: frame.rotation(state.q.reshape(-1, 3)).T @ evaluate(state)
+        return lambda state: frame.rotation(vectors_of(state.q)).T @ evaluate(state)
 
     where = "in the joint frame of a"
     return [
@@ -129,22 +131,25 @@ class WorkMeter:
 
 
 class ActuatorMeter:
-    """Work put into potentials that change with time: sum over steps of the change of V(t, q) with t at both ends, averaged.
+    """Work put into potentials that change with time or temperature: sum over steps of the change of V(t, q, T) with t and T at
+    both ends, averaged over the positions at both ends.
 
     Args:
-        blocks: blocks whose potential depends on time.
+        blocks: blocks whose potential depends on time or temperature.
+        n_motion: number of coordinates of motion, which come first.
     """
 
-    def __init__(self, blocks: Sequence[ForceBlock]) -> None:
-        self.blocks, self.work = blocks, 0.0
+    def __init__(self, blocks: Sequence[ForceBlock], n_motion: int) -> None:
+        self.blocks, self.work, self.n_motion = blocks, 0.0, n_motion
         self._last: tuple[float, Floats] | None = None
 
     def __call__(self, state: State) -> float:
         if self._last is not None:
             t, q = self._last
-            for block in self.blocks:
-                for place in (q, state.q):
-                    self.work += 0.5 * (block.energy(state.t, place) - block.energy(t, place))
+            n = self.n_motion
+            for place in (q[:n], state.q[:n]):
+                now, before = np.concatenate([place, state.q[n:]]), np.concatenate([place, q[n:]])
+                self.work += 0.5 * sum(block.energy(state.t, now) - block.energy(t, before) for block in self.blocks)
         self._last = state.t, state.q
         return self.work
 
@@ -156,7 +161,9 @@ def energy_signals(equations: Equations) -> list[Signal]:
     solution; in motion what the integrator has damped (negative) or gained.
     """
     model, elimination = equations.model, equations.elimination
-    damped = [block for block in model.forces if block.depends_on_velocity]
+    damped = [block for block in model.forces if block.depends_on_velocity and not block.first_order]
+    n = model.n_motion
+    mechanical = np.array([row.coords[0] < n for row in elimination.rows], dtype=float)
     moves = elimination.moves or equations.constraints.moves
 
     def kinetic(state: State) -> float:
@@ -180,15 +187,15 @@ def energy_signals(equations: Equations) -> list[Signal]:
     def nothing(state: State) -> float:
         return 0.0
 
-    loads = WorkMeter(lambda s: (-s.factor * equations.loads(s.t, s.q, s.v), s.q))
+    loads = WorkMeter(lambda s: (-s.factor * equations.loads(s.t, s.q, s.v)[:n], s.q[:n]))
     constraints = equations.constraints
     along_motions = WorkMeter(
         lambda s: (
-            np.concatenate([s.mu, -s.lam]),
+            np.concatenate([mechanical * s.mu, -s.lam]),
             np.concatenate([elimination.right_hand_side(s.t, s.factor), constraints.prescribed(s.t)]),
         )
     )
-    actuators = ActuatorMeter([block for block in model.forces if block.varies])
+    actuators = ActuatorMeter([block for block in model.forces if block.varies], n)
 
     def supports(state: State) -> float:
         return (along_motions(state) if moves else 0.0) + actuators(state)
@@ -213,7 +220,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
         Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy"),
         Signal("energy.strain", "J", (), kept("strain", strain), "strain energy"),
         Signal("work.loads", "J", (), kept("loads", loads), "work of the loads"),
-        Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports and drives"),
+        Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports, drives and thermal strain"),
         Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping"),
         Signal("power.dissipated", "W", (), power, "power turned into heat by damping"),
         Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution"),

@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
     Force = ForcePerLength = Pressure = Torque = TorquePerLength = Velocity = AngularVelocity = Acceleration = Rate = float
     Expansion = Conductivity = SpecificHeat = Inertia = Product = float
+    Temperature = TemperatureGradient = HeatFlux = HeatSource = FilmCoefficient = Share = float
     Stiffness = Damping = TorsionalStiffness = TorsionalDamping = float
 else:
     Number = quantity("")
@@ -108,6 +109,12 @@ else:
     Expansion = quantity("1/K")
     Conductivity = quantity("W/(m*K)", gt=0)
     SpecificHeat = quantity("J/(kg*K)", gt=0)
+    Temperature = quantity("K", ge=0)
+    TemperatureGradient = quantity("K/m")
+    HeatFlux = quantity("W/m^2")
+    HeatSource = quantity("W/m^3")
+    FilmCoefficient = quantity("W/(m^2*K)", ge=0)
+    Share = quantity("", ge=0, le=1)
     Inertia = quantity("kg*m^2", gt=0)
     Product = quantity("kg*m^2")
     Stiffness = quantity("N/m", ge=0)

@@ -35,6 +35,8 @@ class Equations:
         self.elimination = eliminate(model.rows, model.n_q)
         self.n_u = len(self.elimination.independent)
         self.magnitude = model.magnitude[self.elimination.independent]
+        self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))
+        """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
         self.forces, self.loads = ForceSum(model.forces, model.n_q, T), ForceSum(model.loads, model.n_q, T)
         self.constraints = ConstraintStack(model.constraints)
@@ -62,7 +64,7 @@ class Equations:
     @property
     def mobility(self) -> int:
         """Number of independent motions."""
-        return self.n_u - self.n_lam
+        return self.n_motion - self.n_lam
 
     @property
     def locked(self) -> bool:

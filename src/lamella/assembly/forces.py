@@ -56,7 +56,8 @@ class ForceSum:
             tangents: a buffer for each block.
         """
         for (block, part), k in zip(self.parts, tangents, strict=True):
-            block.force_tangent(t, q, v, weights.alpha_q, weights.alpha_v, previous, part, k)
+            alpha_v = weights.rate if block.first_order else weights.alpha_v
+            block.force_tangent(t, q, v, weights.alpha_q, alpha_v, previous, part, k)
         self._filled(t)
 
     def _filled(self, t: float) -> None:

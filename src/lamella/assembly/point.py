@@ -34,11 +34,15 @@ class Point:
 
 @dataclass(frozen=True)
 class Weights:
-    """dq = alpha_q du, dv = alpha_v du, da = alpha_a du: how coordinates, velocities and accelerations follow the unknown."""
+    """dq = alpha_q du, dv = alpha_v du, da = alpha_a du: how coordinates, velocities and accelerations follow the unknown.
+
+    Scalar fields have no accelerations; their rates follow by ``rate`` instead of alpha_v.
+    """
 
     alpha_q: float = 1.0
     alpha_v: float = 0.0
     alpha_a: float = 0.0
+    rate: float = 0.0
 
 
 STATIC = Weights()

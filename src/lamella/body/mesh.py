@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from lamella.body.sample import PlateSample
@@ -10,6 +12,14 @@ from lamella.element.plate48.recovery import ShellRecovery
 from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
+
+
+class TemperatureSource(Protocol):
+    """A temperature field of a plate."""
+
+    def at(self, q: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """T_N [K] and T_M [K/m] at points (x, y) [m], from all coordinates."""
+        ...
 
 
 class PlateMesh:
@@ -28,6 +38,7 @@ class PlateMesh:
         self, name: str, size: tuple[float, float], counts: tuple[int, int], element: ElementSpec, laminate: Laminate, strain: str
     ) -> None:
         self.name, self.size, self.element, self.laminate, self.strain = name, size, element, laminate, strain
+        self.temperature: TemperatureSource | None = None
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny
         self.n_nodes = (self.nx + 1) * (self.ny + 1)
@@ -109,6 +120,11 @@ class PlateMesh:
         points_eta = np.broadcast_to((eta - j)[:, None], (len(eta), len(xi))).reshape(-1)
         found = ShellRecovery(self.element, self.coords, self.scale, self.reference).at(q, index, points_xi, points_eta)
         shape = (len(eta), len(xi), -1)
+        heat: tuple[Floats, Floats] | tuple[()] = ()
+        if self.temperature is not None:
+            y, x = np.meshgrid(eta * self.ly, xi * self.lx, indexing="ij")
+            T_N, T_M = self.temperature.at(q, x.reshape(-1), y.reshape(-1))
+            heat = T_N.reshape(x.shape), T_M.reshape(x.shape)
         return PlateSample(
             self.laminate,
             xi * self.lx,
@@ -116,4 +132,5 @@ class PlateMesh:
             found.r.reshape(shape),
             found.n.reshape(shape),
             found.strains.reshape(shape),
+            *heat,
         )

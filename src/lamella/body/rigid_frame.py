@@ -6,7 +6,7 @@ import numpy as np
 
 from lamella.body.shape import Solid
 from lamella.dofs import DotRow
-from lamella.kinematics import Frame, PointRows, VectorRows
+from lamella.kinematics import Frame, PointRows, VectorRows, vectors_of
 from lamella.roles import Floats, InertiaBlock, Ints
 
 Axes = tuple[VectorRows, VectorRows, VectorRows]
@@ -38,14 +38,14 @@ class RigidFrame:
 
     def rotation(self, q: Floats) -> Floats:
         """Rotation matrix R_WB in the configuration ``q`` (n_q,), shape (3, 3)."""
-        return q.reshape(-1, 3)[self.first + 1 : self.first + 4].T
+        return vectors_of(q)[self.first + 1 : self.first + 4].T
 
     def surface(self, q: Floats) -> tuple[Floats, Ints] | None:
         """Vertices [m] (n, 3) and quadrilaterals (m, 4) of the shape in the configuration ``q`` (n_q,), None without a shape."""
         if self.shape is None:
             return None
         vertices, faces = self.shape.surface()
-        return q.reshape(-1, 3)[self.first] + (vertices + self.centre) @ self.rotation(q).T, faces
+        return vectors_of(q)[self.first] + (vertices + self.centre) @ self.rotation(q).T, faces
 
 
 def turned(axes: Axes, columns: Floats) -> Axes:

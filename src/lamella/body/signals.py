@@ -6,7 +6,7 @@ import numpy as np
 
 from lamella.body.rigid_frame import RigidFrame
 from lamella.dofs import Signal
-from lamella.kinematics import PointRows
+from lamella.kinematics import PointRows, vectors_of
 from lamella.math.rotation import euler_from_rotation, quaternion_from_rotation
 from lamella.roles import Floats
 from lamella.state import State
@@ -17,8 +17,8 @@ AXES = ("x", "y", "z")
 def marker_signals(name: str, where: str, rows: PointRows) -> list[Signal]:
     """Position and velocity of a marker."""
     return [
-        Signal(f"{name}.position", "m", AXES, lambda state: rows.at(state.q.reshape(-1, 3)), f"position of {where}"),
-        Signal(f"{name}.velocity", "m/s", AXES, lambda state: rows.moved(state.v.reshape(-1, 3)), f"velocity of {where}"),
+        Signal(f"{name}.position", "m", AXES, lambda state: rows.at(vectors_of(state.q)), f"position of {where}"),
+        Signal(f"{name}.velocity", "m/s", AXES, lambda state: rows.moved(vectors_of(state.v)), f"velocity of {where}"),
     ]
 
 
@@ -27,7 +27,7 @@ def rigid_signals(name: str, frame: RigidFrame) -> list[Signal]:
     first, axes = frame.first, slice(frame.first + 1, frame.first + 4)
 
     def angular_velocity(state: State) -> Floats:
-        d, rate = state.q.reshape(-1, 3)[axes], state.v.reshape(-1, 3)[axes]
+        d, rate = vectors_of(state.q)[axes], vectors_of(state.v)[axes]
         return 0.5 * np.array(
             [np.sum(d[:, j] * rate[:, k] - d[:, k] * rate[:, j]) for j, k in ((1, 2), (2, 0), (0, 1))]  # cross is slow on this
         )
@@ -35,8 +35,8 @@ def rigid_signals(name: str, frame: RigidFrame) -> list[Signal]:
     elements = tuple(f"{i}{j}" for i in AXES for j in AXES)
     where = f"the origin of {name}"
     return [
-        Signal(f"{name}.position", "m", AXES, lambda state: state.q.reshape(-1, 3)[first].copy(), f"position of {where}"),
-        Signal(f"{name}.velocity", "m/s", AXES, lambda state: state.v.reshape(-1, 3)[first].copy(), f"velocity of {where}"),
+        Signal(f"{name}.position", "m", AXES, lambda state: vectors_of(state.q)[first].copy(), f"position of {where}"),
+        Signal(f"{name}.velocity", "m/s", AXES, lambda state: vectors_of(state.v)[first].copy(), f"velocity of {where}"),
         Signal(f"{name}.rotation", "1", elements, lambda s: frame.rotation(s.q).reshape(-1), f"rotation matrix of {name}"),
         Signal(
             f"{name}.quaternion",

@@ -11,6 +11,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
 from lamella.declaration import declaration
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
+from lamella.integrate.first_order import FirstOrderRule
 from lamella.integrate.stabilised import StabilisedEquations
 from lamella.result import Cause, Statistics
 from lamella.roles import Floats
@@ -49,6 +50,9 @@ class GeneralizedAlpha(Integrator):
 
         q' = q + dt v + dt^2 ((1/2 - beta) a + beta a') + B^T eta
 
+    Temperatures follow their rates by the first-order generalised-alpha method (:class:`~.first_order.FirstOrderRule`); one
+    Newton iteration solves for positions, temperatures and multipliers.
+
     Args:
         dt: step [s]; the first one under error control.
         rho_inf: spectral radius at infinite frequency, 0 (strong numerical damping) to 1 (none).
@@ -59,6 +63,8 @@ class GeneralizedAlpha(Integrator):
         newton: how each step is solved.
         stabilised: hold the constraints of positions and of velocities (stabilised index 2); without multipliers it changes
             nothing.
+        heat: rule for temperatures: ``generalized_alpha`` with the same ``rho_inf``, or ``central_difference``, the trapezoidal
+            rule, which has no numerical damping.
     """
 
     dt: Step
@@ -68,6 +74,7 @@ class GeneralizedAlpha(Integrator):
     dt_max: Step = np.inf
     newton: Newton = DYNAMIC_NEWTON
     stabilised: bool = False
+    heat: Literal["generalized_alpha", "central_difference"] = "generalized_alpha"
     type: Literal["generalized_alpha"] = "generalized_alpha"
 
     order = 2
@@ -93,22 +100,26 @@ class GeneralizedAlphaStepper(Stepper):
         self.linear = linear_solver(equations.matrix.pattern, solver)
         self.stabilised = StabilisedEquations(equations) if options.stabilised and equations.n_lam else None
         self.newton = NewtonSolver(self.stabilised or equations, self.linear, options.newton, statistics)
-        chosen = equations.model.is_position[equations.elimination.independent // 3]
+        self.n = n = equations.n_motion
+        self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
+        chosen = equations.model.is_position[equations.elimination.independent[:n] // 3]
         self.positions = chosen if chosen.any() else ~chosen  # errors are displacements; slopes would weigh short waves too much
-        is_slope = ~np.repeat(equations.model.is_position, 3)[equations.elimination.independent]
-        self._slopes, self._slope_size = np.flatnonzero(is_slope), equations.magnitude[is_slope]
+        is_slope = ~np.repeat(equations.model.is_position, 3)[equations.elimination.independent[:n]]
+        self._slopes, self._slope_size = np.flatnonzero(is_slope), equations.magnitude[:n][is_slope]
 
     def restart(self, point: Point) -> None:
         """Start from a consistent point: the algorithmic acceleration is the true one."""
         self.point, self.a = point, point.udd.copy()
         self.q = self.equations.coordinates(point)
+        self.fields.restart(point.ud[self.n :])
         self.newton.forget()
-        self._new: tuple[Point, Floats] | None = None
+        self._new: tuple[Point, Floats, Floats, float] | None = None
 
     def weights(self, dt: float) -> Weights:
         """How the unknown, the new independent coordinates, moves velocities and accelerations."""
         ratio = (1 - self.alpha_m) / (1 - self.alpha_f)
-        return Weights(1.0, self.gamma / (self.beta * dt), ratio / (self.beta * dt**2))
+        rate = self.fields.weight(dt) if self.n < self.equations.n_u else 0.0
+        return Weights(1.0, self.gamma / (self.beta * dt), ratio / (self.beta * dt**2), rate)
 
     def step(self, dt: float) -> StepOutcome:
         """Predict constant velocity, then solve.
@@ -122,6 +133,9 @@ class GeneralizedAlphaStepper(Stepper):
         ud = old.ud + dt * (1 - self.gamma) * a + weights.alpha_v * du
         udd = (self.alpha_m * a - self.alpha_f * old.udd) / (1 - self.alpha_f) + weights.alpha_a * du
         new = Point(old.t + dt, base + du, ud, udd, old.lam.copy())
+        n = self.n
+        if n < len(du):
+            new.u[n:], new.ud[n:] = self.fields.predicted(dt, old.u[n:], old.ud[n:])
         if self.stabilised:
             self.stabilised.begin(old, weights)
         report = self.newton.solve(new, weights, self.q)
@@ -136,11 +150,18 @@ class GeneralizedAlphaStepper(Stepper):
             return StepOutcome(report, None)
         # From the accelerations: the difference of positions would divide their rounding by dt^2.
         a_new = ((1 - self.alpha_f) * new.udd + self.alpha_f * old.udd - self.alpha_m * a) / (1 - self.alpha_m)
-        self._new = new, a_new
-        return StepOutcome(report, new, 0.0 if self.options.tolerance is None else self._error(dt, a_new - a, weights))
+        s_new = self.fields.algorithmic(old.ud[n:], new.ud[n:])
+        self._new = new, a_new, s_new, dt
+        if self.options.tolerance is None:
+            return StepOutcome(report, new)
+        error = self._error(dt, a_new - a, weights)
+        if len(s_new):
+            local = self.fields.error(dt, s_new) / self.equations.magnitude[n:]
+            error = max(error, float(np.sqrt(np.mean(local**2))) / self.options.tolerance)
+        return StepOutcome(report, new, error)
 
     def _error(self, dt: float, change: Floats, weights: Weights) -> float:
-        """Local error relative to the tolerance, from the change of the algorithmic acceleration.
+        """Local error of motion relative to the tolerance, from the change of the algorithmic acceleration.
 
         The first term that the update of q leaves out is (beta - 1/6) dt^2 (a' - a) (Zienkiewicz and Xie 1991). In modes much
         faster than the step it is large although they hardly move, so it is filtered by (alpha_a M + K)^-1 alpha_a M, which keeps
@@ -150,12 +171,13 @@ class GeneralizedAlphaStepper(Stepper):
         inertia = weights.alpha_a * self.equations.inertia_force(local)
         filtered, _ = self.linear.solve(inertia, np.zeros(self.equations.n_lam))
         self.statistics.solves += 1
-        moved = (filtered / self.equations.magnitude)[self.positions]
+        moved = (filtered / self.equations.magnitude)[: self.n][self.positions]
         return float(np.sqrt(np.mean(moved**2))) / (self.options.tolerance or 1.0)
 
     def accept(self) -> Point:
         """Make the step final."""
         assert self._new is not None, "accept follows a converged step"
-        self.point, self.a = self._new
+        self.point, self.a, s, dt = self._new
+        self.fields.accept(dt, s)
         self.q = self.equations.coordinates(self.point)
         return self.point

@@ -37,7 +37,7 @@ class StabilisedEquations:
     """
 
     def __init__(self, equations: Equations) -> None:
-        self.equations, self.magnitude = equations, equations.magnitude
+        self.equations, self.magnitude, self.n_motion = equations, equations.magnitude, equations.n_motion
 
     def begin(self, old: Point, weights: Weights) -> None:
         """Prepare a step from an accepted point."""

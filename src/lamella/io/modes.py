@@ -140,7 +140,7 @@ def natural_amplitude(modes: Modes) -> float:
     if not drawable(modes.model):
         raise DeclarationError("modes", "the model has nothing to show", "accepted is one with a plate, or a body with a shape")
     solids = [surface(body, modes.state)[0] for body in shaped(modes.model)]
-    positions = np.concatenate([modes.state.reshape(-1, 3)[modes.model.is_position], *solids])
+    positions = np.concatenate([modes.model.vectors(modes.state)[modes.model.is_position], *solids])
     return SHARE * float(np.ptp(positions, axis=0).max())
 
 

@@ -12,7 +12,7 @@ from lamella.body.base import Marker
 from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
 from lamella.errors import DeclarationError
-from lamella.kinematics import VectorRows
+from lamella.kinematics import VectorRows, vectors_of
 from lamella.math.profile import Profile
 from lamella.measure.constraint import MeasureConstraint, MeasureRow
 from lamella.measure.measure import length
@@ -50,7 +50,7 @@ class DistanceJoint(Declaration):
         build.constrain(block)
 
         def force(state: State) -> Floats:
-            between = d.at(state.q.reshape(-1, 3))
+            between = d.at(vectors_of(state.q))
             return -state.lam[block.first] * between / np.linalg.norm(between)
 
         build.signals.append(_tension(self.name, block))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.dofs import Motion
-from lamella.kinematics import VectorRows
+from lamella.kinematics import VectorRows, vectors_of
 from lamella.roles import Floats, ForceBlock, Symmetry
 
 
@@ -35,7 +35,7 @@ class FollowerForceBlock(ForceBlock):
         self.k_scale = np.broadcast_to(np.outer(point.weights, force.weights)[:, :, None], shape).reshape(-1)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        np.multiply.outer(-self.profile.value(t) * self._point.weights, self._force.at(q.reshape(-1, 3)), out=f.reshape(-1, 3))
+        np.multiply.outer(-self.profile.value(t) * self._point.weights, self._force.at(vectors_of(q)), out=f.reshape(-1, 3))
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats

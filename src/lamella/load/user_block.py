@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from lamella.errors import DeclarationError
-from lamella.kinematics import VectorRows
+from lamella.kinematics import VectorRows, vectors_of
 from lamella.roles import Floats, ForceBlock
 
 STEP = 6e-6
@@ -90,7 +90,7 @@ class UserForceBlock(ForceBlock):
 
     def _motion(self, q: Floats, v: Floats) -> Pair:
         """Positions and velocities of the points, in arrays that the function may change."""
-        return self._weights @ q.reshape(-1, 3)[self._vectors] + self._constants, self._weights @ v.reshape(-1, 3)[self._vectors]
+        return self._weights @ vectors_of(q)[self._vectors] + self._constants, self._weights @ vectors_of(v)[self._vectors]
 
     def _called(self, t: float, r: Floats, v: Floats) -> Floats:
         F = np.asarray(self.function(t, r.copy(), v.copy()), float)

@@ -11,7 +11,7 @@ from lamella.result import Start
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 
-MASS_ONLY = Weights(alpha_q=0.0, alpha_v=0.0, alpha_a=1.0)
+MASS_ONLY = Weights(alpha_q=0.0, alpha_v=0.0, alpha_a=1.0, rate=1.0)
 
 
 ROUNDING = 1e-9
@@ -72,11 +72,11 @@ def project_positions(equations: Equations, point: Point, linear: LinearSolver, 
 def changes(equations: Equations, point: Point, q: Floats, v: Floats) -> Start:
     """How a consistent point differs from the coordinates and velocities that were given, those of supports included."""
     model = equations.model
-    size, count = model.magnitude.reshape(-1, 3).max(axis=1), len(model.is_position)
-    fastest = max(1.0, float(np.max(np.abs(v) / model.magnitude)))
+    size, n = model.vectors(model.magnitude).max(axis=1), model.n_motion
+    fastest = max(1.0, float(np.max(np.abs(v[:n]) / model.magnitude[:n])))
     numbers, where = [], []
     for new, old, scale in ((equations.coordinates(point), q, 1.0), (equations.velocities(point), v, fastest)):
-        moved = np.linalg.norm((new - old).reshape(count, 3), axis=1)
+        moved = np.linalg.norm(model.vectors(new - old), axis=1)
         for chosen in (model.is_position, ~model.is_position):
             change = np.where(chosen, moved, 0.0)
             largest = int(np.argmax(change))
@@ -109,14 +109,16 @@ def _out_of_reach(phi: Floats) -> ConstraintError:
 
 
 def solve_rates(equations: Equations, point: Point, linear: LinearSolver) -> None:
-    """Velocities that obey the constraints, and the accelerations and multipliers that follow."""
+    """Velocities that obey the constraints, and the accelerations, multipliers and rates of scalar fields that follow."""
     _factorise(equations, point, linear, MASS_ONLY)
     if equations.n_lam:
         point.ud += linear.solve(np.zeros(equations.n_u), -equations.velocity_violation(point))[0]
     point.udd[:] = 0.0
     point.lam[:] = 0.0
     r, _ = equations.residual(point)
-    point.udd[:], point.lam[:] = linear.solve(-r, -equations.acceleration_rest(point))
+    rates, point.lam[:] = linear.solve(-r, -equations.acceleration_rest(point))
+    n = equations.n_motion
+    point.udd[:n], point.ud[n:] = rates[:n], point.ud[n:] + rates[n:]
 
 
 def _factorise(equations: Equations, point: Point, linear: LinearSolver, metric: Weights) -> None:

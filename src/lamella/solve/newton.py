@@ -61,6 +61,7 @@ class Residual(Protocol):
     """What Newton's method asks of equations r(u, lam) = 0, Phi(u) = 0; see ``lamella.assembly.equations`` for each."""
 
     magnitude: Floats
+    n_motion: int
 
     def residual(self, point: Point) -> tuple[Floats, Floats]: ...
     def linearise(
@@ -205,7 +206,8 @@ class NewtonSolver:
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
         if weights.alpha_a:
             moved = np.empty_like(du), np.empty_like(du), np.empty_like(du)
-            _move(point.u, point.ud, point.udd, du, weights.alpha_q, weights.alpha_v, weights.alpha_a, *moved)
+            n = self.equations.n_motion
+            _move(point.u, point.ud, point.udd, du, n, weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate, *moved)
             point.u, point.ud, point.udd = moved
         else:
             point.u = point.u + weights.alpha_q * du
@@ -258,17 +260,14 @@ def _largest_change(x: Floats, dx: Floats, start: Floats, factors: Floats) -> fl
 
 @njit
 def _move(
-    u: Floats,
-    ud: Floats,
-    udd: Floats,
-    du: Floats,
-    alpha_q: float,
-    alpha_v: float,
-    alpha_a: float,
-    q: Floats,
-    v: Floats,
-    a: Floats,
-) -> None:
-    """Coordinates q, velocities v and accelerations a after a correction du. (An array returned by a kernel costs 1 us.)"""
-    for i in range(len(u)):
+    u: Floats, ud: Floats, udd: Floats, du: Floats, n: int, alpha_q: float, alpha_v: float, alpha_a: float, rate: float,
+    q: Floats, v: Floats, a: Floats,
+) -> None:  # fmt: skip
+    """Coordinates q, velocities v and accelerations a after a correction du, of which ``n`` are of motion, the others of fields.
+
+    (An array returned by a kernel costs 1 us.)
+    """
+    for i in range(n):
         q[i], v[i], a[i] = u[i] + alpha_q * du[i], ud[i] + alpha_v * du[i], udd[i] + alpha_a * du[i]
+    for i in range(n, len(u)):
+        q[i], v[i], a[i] = u[i] + alpha_q * du[i], ud[i] + rate * du[i], 0.0

@@ -35,6 +35,7 @@ class Plate48Block(ForceBlock):
         order = product_order()
         self.rest = np.asarray(reference, float) * scale
         coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
+        self.element_scale = scale
         self.n_element, self.n_block = len(coords), n_blocks(len(coords))
         self._index, self._scale = packed_indices(coords), packed(scale)
         self.f_coords, self.f_scale = packed_targets(coords), self._scale

@@ -1,0 +1,147 @@
+"""Plate48 shells with thermal strain, and what their force and the sun's flux owe to temperature and shape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lamella.element.packing import aligned, packed, packed_indices, packed_targets
+from lamella.element.plate48 import heat_kernels as kernels
+from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.interpolation import N_SECTION
+from lamella.element.plate48.layout import Plate48Block
+from lamella.element.plate48.shape import Plate48, gauss_points, product_order
+from lamella.element.plate48.surface import derivatives_at_points, reference_surface, strain_transform_6
+from lamella.lane import WIDTH
+from lamella.math.gauss import gauss_rule
+from lamella.roles import Floats, ForceBlock, Ints, Symmetry
+
+NODES = ((0, 0), (1, 0), (0, 1), (1, 1))
+"""Order of an element's nodes, (a, b), in its temperatures."""
+
+
+class HeatedShellBlock(ShellBlock):
+    """A shell whose stress-free strains follow its temperatures: W(s - s_T), N = C (s - s_T), with
+
+        C s_T = (N_T, -M_T),     N_T = a0 T_N + a1 T_M,     M_T = a1 T_N + a2 T_M
+
+    as membrane strain eps and curvature kap enter by E = eps - z kap. For finite strains s_T is added to the Green-Lagrange
+    strains (to first order in alpha T, which is some per cent at most). The energy differs from the section's free energy by a
+    function of temperature alone.
+
+    Args:
+        temperatures: coordinates of T_N and then T_M at an element's four nodes, shape (n_element, 8).
+        expansion: thermal resultants a0, a1, a2 of (1, 2, 12) for each power of z, shape (3, 3).
+        others: as for :class:`ShellBlock`.
+    """
+
+    varies = True
+
+    def __init__(
+        self,
+        name: str,
+        coords: Ints,
+        scale: Floats,
+        reference: Floats,
+        stiffness: Floats,
+        n_gauss: int,
+        temperatures: Ints,
+        expansion: Floats,
+    ) -> None:
+        super().__init__(name, coords, scale, reference, stiffness, n_gauss)
+        self.temperatures = temperatures
+        a0, a1, a2 = np.asarray(expansion, float)
+        resultants = np.array([np.concatenate([a0, -a1]), np.concatenate([a1, -a2])])
+        xi, eta, weights = gauss_points(n_gauss)
+        surface = reference_surface(name, derivatives_at_points(Plate48().shape(xi, eta), self.rest))
+        transform = strain_transform_6(surface.transform)
+        local = np.linalg.solve(stiffness, resultants.T)  # strains for T_N = 1 and T_M = 1, shape (6, 2)
+        strain = np.swapaxes(np.linalg.solve(transform, np.broadcast_to(local, (*transform.shape[:-2], 6, 2))), -1, -2)
+        section = transform.swapaxes(-1, -2) @ stiffness @ transform * (weights * surface.area)[..., None, None]
+        self._strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ section, float))
+        self.points = GaussPoints(self, n_gauss)
+        self._index_T = packed_indices(temperatures)
+        self._sections = self._tables[2]
+        self._cold = np.ascontiguousarray(self._sections.reshape(-1, N_SECTION, WIDTH)[:, 21:]).reshape(-1)
+        self._work_T = aligned(8 * WIDTH)
+
+    def _heat(self, q: Floats) -> None:
+        n = self.points.n
+        kernels.set_reference(q, self._index_T, self.points.corners, n, self._cold, self._strain, self._work_T, self._sections)
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Elastic force dW/de."""
+        self._heat(q)
+        super().force(t, q, v, f)
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        """Elastic force and alpha_q d2W/de2."""
+        self._heat(q)
+        super().force_tangent(t, q, v, alpha_q, alpha_v, q_previous, f, k)
+
+    def energy(self, t: float, q: Floats) -> float:
+        """Strain energy of s - s_T [J]."""
+        self._heat(q)
+        return super().energy(t, q)
+
+
+class GaussPoints:
+    """What blocks with temperatures share with the elastic block of their elements.
+
+    Args:
+        block: the elastic block.
+        n_gauss: Gauss points in each direction.
+    """
+
+    def __init__(self, block: ShellBlock, n_gauss: int) -> None:
+        self.elements, self.n = block, n_gauss
+        s = gauss_rule(n_gauss)[0]
+        self.corners = np.stack([1.0 - s, s], axis=1).reshape(-1)
+        self.index, self.scale, _, self.table, _ = block._tables
+        self.work = aligned(kernels.thermal_work_size(n_gauss) * WIDTH)
+
+
+class CrossBlock(ForceBlock):
+    """A block with tangents between the shape of Plate48 elements (48 coordinates each) and their eight temperatures."""
+
+    symmetry: Symmetry = "none"
+
+    def __init__(self, name: str, elastic: Plate48Block, coords: Ints, temperatures: Ints) -> None:
+        self.name = name
+        order = product_order()
+        shape = (len(coords), 8, 48)
+        self._coords = packed_targets(np.broadcast_to(coords[:, None, order], shape).reshape(len(coords), -1))
+        self._fields = packed_targets(np.broadcast_to(temperatures[:, :, None], shape).reshape(len(coords), -1))
+        scale = np.broadcast_to(elastic.element_scale[:, None, :], shape)
+        self.k_scale = packed(np.ascontiguousarray(scale).reshape(len(coords), -1))
+
+
+class ThermalCouplingBlock(CrossBlock):
+    """The derivative of a heated shell's force by its temperatures; the force itself is that of :class:`HeatedShellBlock`.
+
+    Args:
+        name: name of the body.
+        shell: the heated shell.
+        coords: global coordinates of each element, shape (n_element, 48).
+    """
+
+    def __init__(self, name: str, shell: HeatedShellBlock, coords: Ints) -> None:
+        super().__init__(name, shell, coords, shell.temperatures)
+        self.f_coords, self.f_scale = np.zeros(0, np.int64), np.zeros(0)
+        self.k_rows, self.k_cols = self._coords, self._fields
+        self._points, self._stress = shell.points, shell.stress
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Nothing beyond the shell's own."""
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        """alpha_q df/dT."""
+        p = self._points
+        kernels.thermal_tangent(q, p.index, p.scale, p.table, p.corners, p.n, self._stress, alpha_q, p.work, k)
+
+    def energy(self, t: float, q: Floats) -> float:
+        """That of the shell."""
+        return 0.0

@@ -1,0 +1,1 @@
+"""Temperature fields of plates and what heats and cools them."""

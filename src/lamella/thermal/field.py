@@ -1,0 +1,102 @@
+"""Temperature as a field of a plate."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from lamella import units
+from lamella.body.plate import Plate
+from lamella.declaration import declaration
+from lamella.dofs import Build, Signal
+from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.heated import HeatedShellBlock, ThermalCouplingBlock
+from lamella.errors import DeclarationError
+from lamella.roles import Declaration
+from lamella.thermal.conduction import plate_block
+from lamella.thermal.mesh import TemperatureMesh
+
+if TYPE_CHECKING:
+    from lamella.body.mesh import PlateMesh
+    from lamella.state import State
+
+
+@declaration
+class TemperatureField(Declaration):
+    """The temperature T = T_0 + T_N(x, y, t) + z T_M(x, y, t) of a plate, unknown like its shape.
+
+    T_N and T_M are bilinear on the plate's mesh. Heat is conducted in the plane and through the thickness; edges are insulated
+    unless a temperature is prescribed there. Thermal strain alpha (T - T_0) bends and stretches the plate.
+
+    Args:
+        name: unique name; the result holds ``<name>.heat`` [J], what is stored above the reference temperature, ``<name>.mean``
+            [K], the mean of T, and at each marker of the plate ``<marker>.T_N`` [K] and ``<marker>.T_M`` [K/m].
+        on: the plate.
+        reference: temperature T_0 at which the plate is free of stress [K].
+        initial: temperature at the start [K]; the reference when left out.
+        initial_gradient: gradient T_M through the thickness at the start [K/m].
+    """
+
+    order: ClassVar[int] = 4  # values of fields are numbered behind all vectors
+    name: str
+    on: Plate
+    reference: units.Temperature = 0.0
+    initial: units.Temperature | None = None
+    initial_gradient: units.TemperatureGradient = 0.0
+
+    def contribute(self, build: Build) -> None:
+        """Number the temperatures, warm the plate's elastic block, and add capacity and conduction."""
+        plate = self.on.compiled(build)
+        item = f"TemperatureField '{self.name}'"
+        for field in build.fields:
+            if isinstance(field, TemperatureMesh) and field.plate is plate:
+                raise DeclarationError(
+                    item, f"plate '{plate.name}' has the field '{field.name}'", "accepted is one field a plate"
+                )
+        mesh = TemperatureMesh(self.name, plate, self.reference)
+        initial = self.reference if self.initial is None else self.initial
+        mesh.place(build, initial - self.reference, self.initial_gradient)
+        plate.temperature = mesh
+        self._warm(build, plate, mesh)
+        block = plate_block(mesh, item)
+        build.forces.append(block)
+
+        def stored(state: State) -> float:
+            return block.stored(state.q)
+
+        build.signals.append(Signal(f"{self.name}.heat", "J", (), stored, f"heat stored in {plate.name} above the reference"))
+        one = mesh.integrals()[0] / (plate.size[0] * plate.size[1])
+
+        def mean(state: State) -> float:
+            return self.reference + float((state.q[mesh.coords[:, :4]] @ one).sum())
+
+        build.signals.append(Signal(f"{self.name}.mean", "K", (), mean, f"mean temperature of {plate.name}"))
+        for marker, at in self.on.markers.items():
+            build.signals.extend(_marker_signals(marker, f"{plate.name}.{marker}", mesh, at))
+
+    def _warm(self, build: Build, plate: PlateMesh, mesh: TemperatureMesh) -> None:
+        """Put a heated block in the place of the plate's elastic one."""
+        if plate.strain == "rigid":
+            return
+        place = next(k for k, block in enumerate(build.forces) if block.name == plate.name and type(block) is ShellBlock)
+        shell = HeatedShellBlock(
+            plate.name,
+            plate.coords,
+            plate.scale,
+            plate.reference,
+            plate.laminate.stiffness,
+            self.on.n_gauss,
+            mesh.coords,
+            plate.laminate.thermal_moments,
+        )
+        build.forces[place] = shell
+        build.forces.append(ThermalCouplingBlock(plate.name, shell, plate.coords))
+
+
+def _marker_signals(name: str, where: str, mesh: TemperatureMesh, at: tuple[float, float]) -> list[Signal]:
+    x, y = np.array([at[0]]), np.array([at[1]])
+    return [
+        Signal(f"{name}.T_N", "K", (), lambda s: float(mesh.at(s.q, x, y)[0][0]), f"change of temperature of {where}"),
+        Signal(f"{name}.T_M", "K/m", (), lambda s: float(mesh.at(s.q, x, y)[1][0]), f"gradient of temperature at {where}"),
+    ]
