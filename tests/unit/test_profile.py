@@ -36,7 +36,7 @@ from lamella.math.time_function import Integrable
 
 TIMES, VALUES = (0.0, 0.3, 0.5, 1.2), (1.0, 3.0, 2.0, 2.5)
 # Where the third derivatives of the catalogue jump: points of tables, ends, and corners of the accelerations.
-KNOTS = (*TIMES, 0.2, 0.9, 0.6, 0.8, 0.25, 0.395, 0.445, 0.655, 0.705, 0.85)
+KNOTS = (*TIMES, 0.2, 0.9, 0.3, 0.45, 0.65, 0.8, 0.25, 0.395, 0.445, 0.655, 0.705, 0.85)
 CATALOGUE: list[TimeFunction] = [
     Constant(2.5),
     Step(3.0, at=0.4),
@@ -286,7 +286,9 @@ def test_trapezoidal_speed_has_the_shape_it_says() -> None:
     assert law.acceleration(2.0) == pytest.approx(law.acceleration(3.2))
     assert law.acceleration(2.0) == pytest.approx(-law.acceleration(5.0))
     assert law.acceleration(1.05) == pytest.approx(0.5 * law.acceleration(2.0))
+    assert law.acceleration(3.41) == pytest.approx(0.9 * law.acceleration(2.0))  # the same jerk as at the start: two ramps to -a
     assert law.acceleration(3.5) == pytest.approx(0.0, abs=1e-12)
+    assert law.acceleration(3.59) == pytest.approx(-0.9 * law.acceleration(2.0))
     cruising = TrapezoidalSpeed(0.0, t_end=4.0, cruise=0.5)
     assert cruising.rate(1.5) == cruising.rate(2.5) == pytest.approx(1 / 3)
     assert cruising.breakpoints == (0.0, 1.0, 3.0, 4.0)

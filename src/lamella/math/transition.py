@@ -131,13 +131,13 @@ class Cycloid(Transition):
 class TrapezoidalSpeed(Transition):
     """Change with a trapezoidal speed: accelerate evenly, go on at constant speed, decelerate evenly.
 
-    The acceleration changes linearly over the time ``ramp`` at its corners, so that it is continuous and the jerk limited.
-    Without a phase of constant speed it changes from +a to -a in one ramp about the middle. Besides the arguments of
-    :class:`Transition`:
+    The acceleration changes linearly between zero and its full value a over the time ``ramp``, so that it is continuous and
+    the jerk limited to ``a / ramp``. Without a phase of constant speed it thus goes from +a to -a in two ramps about the middle.
+    Besides the arguments of :class:`Transition`:
 
     Args:
         cruise: share of the duration at constant speed, 0 to 1 [-].
-        ramp: duration of each change of the acceleration [s]; with 0 it jumps.
+        ramp: time in which the acceleration rises from zero to its full value, or falls back [s]; with 0 it jumps.
 
     Raises:
         DeclarationError: the ramps do not fit into the phases of acceleration.
@@ -150,8 +150,7 @@ class TrapezoidalSpeed(Transition):
     def __post_init__(self) -> None:
         """Refuse ramps that do not fit."""
         super().__post_init__()
-        phase = 0.5 * (1.0 - self.cruise) * (self.t_end - self.t_start)
-        longest = phase / (2.0 if self.cruise else 1.5)
+        longest = 0.25 * (1.0 - self.cruise) * (self.t_end - self.t_start)
         if self.ramp > longest:
             raise ValueError(f"ramp = {self.ramp:g} s; accepted is at most {longest:g} s, so that it fits into the acceleration")
 
@@ -181,10 +180,8 @@ class TrapezoidalSpeed(Transition):
     def _pieces(self) -> tuple[list[float], list[tuple[float, ...]]]:
         """Where the pieces of constant jerk begin, and what the function is there."""
         r, phase = self.ramp / (self.t_end - self.t_start), 0.5 * (1.0 - self.cruise)
-        corners = [(0.0, 0.0), (r, 1.0)]
-        corners += [(phase - r, 1.0), (phase, 0.0)] if self.cruise else [(0.5 - 0.5 * r, 1.0), (0.5 + 0.5 * r, -1.0)]
-        corners += [(1.0 - phase, 0.0), (1.0 - phase + r, -1.0)] if self.cruise else []
-        corners += [(1.0 - r, -1.0), (1.0, 0.0)]
+        corners = [(0.0, 0.0), (r, 1.0), (phase - r, 1.0), (phase, 0.0)]
+        corners += [(1.0 - phase, 0.0), (1.0 - phase + r, -1.0), (1.0 - r, -1.0), (1.0, 0.0)]
         starts: list[float] = []
         found: list[tuple[float, ...]] = []
         area = s = v = 0.0
