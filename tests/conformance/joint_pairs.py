@@ -115,17 +115,18 @@ def between_markers(joint, kind_a, kind_b):
     return Pair(bodies, 6 - len(free.split()), free, axes, AT + offset)
 
 
-def marker_to_edge(kind_a, strain, side="y+", mesh=(1, 2)):
-    """A fixed edge: position, slopes and twist of its nodes; a rigid plate loses its six degrees of freedom."""
+def marker_to_edge(kind_a, strain, side="y+", mesh=(1, 2), kind="full"):
+    """A fixed edge: what its kind holds of position, slopes and twist; a rigid plate loses its six degrees of freedom."""
 
     def bodies():
         (a, on_a), (b, _) = BODY_A[kind_a](AT), panel("b", SIZE_B, TURN_B, (0.3, 0.5), SPIN_B, AT + 0.1, strain, mesh)
-        return a, b, lm.FixedJoint("joint", on_a, b.edge(side))
+        return a, b, lm.FixedJoint("joint", on_a, b.edge(side), kind=kind)
 
     nodes = (mesh[1] if side[0] == "x" else mesh[0]) + 1
     middle = {"y+": (0.5 * SIZE_B[0], SIZE_B[1], 0.0), "x-": (0.0, 0.5 * SIZE_B[1], 0.0)}[side]
     centre = AT + 0.1 + matrix_from_vector(np.array(TURN_B)) @ (np.array(middle) - (0.3, 0.5, 0.0))
-    return Pair(bodies, 12 * nodes if strain == "exact" else 6, "", np.eye(3), centre)
+    held = {"full": 12 * nodes, "restrained": 8 * nodes, "sliding": 6 * nodes + 1}[kind]
+    return Pair(bodies, held if strain == "exact" else 6, "", np.eye(3), centre)
 
 
 def two_edges(joint, held, free, strain="exact", reverse=False, mesh_a=(1, 2), mesh_b=(1, 2)):
@@ -169,6 +170,15 @@ PAIRS = {
     "fixed edge x-, rigid and plate": marker_to_edge("rigid", "exact", "x-"),
     "fixed edge, rigid and rigid plate": marker_to_edge("rigid", "rigid"),
     "fixed edge, plate and plate": marker_to_edge("plate", "exact"),
+    "restrained edge, ground and plate": marker_to_edge("ground", "exact", kind="restrained"),
+    "restrained edge, rigid and plate": marker_to_edge("rigid", "exact", kind="restrained"),
+    "restrained edge x-, plate and plate": marker_to_edge("plate", "exact", "x-", kind="restrained"),
+    "restrained edge, rigid and rigid plate": marker_to_edge("rigid", "rigid", kind="restrained"),
+    "sliding edge, ground and plate": marker_to_edge("ground", "exact", kind="sliding"),
+    "sliding edge, rigid and plate": marker_to_edge("rigid", "exact", mesh=(3, 1), kind="sliding"),
+    "sliding edge x-, rigid and plate": marker_to_edge("rigid", "exact", "x-", kind="sliding"),
+    "sliding edge, plate and plate": marker_to_edge("plate", "exact", kind="sliding"),
+    "sliding edge, rigid and rigid plate": marker_to_edge("rigid", "rigid", kind="sliding"),
     # position and tangent at three nodes; the twist of a cubic edge is free
     "hinge": two_edges(hinge, 18, "rz"),
     "hinge, reversed": two_edges(hinge, 18, "rz", reverse=True),

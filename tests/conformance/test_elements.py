@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -209,9 +210,19 @@ def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng):
 # --- linear strains in moving frames -----------------------------------------------------------------
 
 
-@pytest.fixture(params=["floating", "corotational"])
+MOVING = ["floating", "floating at x-", "floating at x+", "floating at y-", "floating at y+", "corotational"]
+
+
+def moving_block(name, mesh, stiffness, label="plate"):
+    """A strain model in moving frames by its name, and the edge that its frame follows."""
+    model, _, edge = name.partition(" at ")
+    place = {"frame_at": edge} if edge else {}
+    return module(mesh.element, "block").STRAIN_MODELS[model](label, *mesh.tables, stiffness, **place)
+
+
+@pytest.fixture(params=MOVING)
 def moving(request, mesh, rng):
-    return module(mesh.element, "block").STRAIN_MODELS[request.param]("plate", *mesh.tables, section(rng))
+    return moving_block(request.param, mesh, section(rng))
 
 
 def moved(mesh, q, rng):
@@ -255,11 +266,11 @@ def test_tangent_in_a_moving_frame_is_the_derivative_of_the_force(mesh, moving, 
     np.testing.assert_allclose(K @ d, 0.7 * numeric, atol=1e-9 * np.abs(numeric).max())
 
 
-@pytest.mark.parametrize("name", ["floating", "corotational"])
+@pytest.mark.parametrize("name", MOVING)
 def test_moving_frames_share_the_tangent_of_the_reference(mesh, rng, name):
     models, C = module(mesh.element, "block").STRAIN_MODELS, section(rng)
     K = dense(models["linear"]("plate", *mesh.tables, C), mesh.rest)[1]
-    np.testing.assert_allclose(dense(models[name]("plate", *mesh.tables, C), mesh.rest)[1], K, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(dense(moving_block(name, mesh, C), mesh.rest)[1], K, atol=1e-12 * np.abs(K).max())
 
 
 def test_one_element_has_the_same_energy_in_both_frames(element, rng):
@@ -271,12 +282,37 @@ def test_one_element_has_the_same_energy_in_both_frames(element, rng):
 
 
 def test_frames_follow_the_mean_gradient(element, rng):
-    mesh, F, models = patch(element, XS, YS), rng.standard_normal((3, 3)), module(element, "block").STRAIN_MODELS
+    mesh, F = patch(element, XS, YS), rng.standard_normal((3, 3))
     vectors = mesh.rest.reshape(-1, 3) @ F.T
-    for name in ("floating", "corotational"):
-        groups = models[name]("plate", *mesh.tables, section(rng)).groups
+    for name in MOVING:
+        groups = moving_block(name, mesh, section(rng)).groups
         found = groups.weights @ vectors.reshape(-1)[groups.coords]
         np.testing.assert_allclose(found, np.broadcast_to(F[:, :2].T, found.shape), atol=1e-14 * len(vectors))
+
+
+@pytest.mark.parametrize("side", ["x-", "x+", "y-", "y+"])
+def test_a_frame_at_an_edge_follows_the_mean_slopes_there(element, rng, side):
+    """The means of r_x and r_y over the reference length, by the trapezoidal rule on many points of the deformed patch."""
+    mesh = patch(element, XS, YS, SURFACES["twisted"])
+    q = deformed(mesh, rng)
+    groups = moving_block(f"floating at {side}", mesh, section(rng)).groups
+    found = groups.weights[0] @ q[groups.coords[0]]
+    nx, ny, fixed, value = len(XS) - 1, len(YS) - 1, "xy".index(side[0]), float(side[1] == "+")
+    own = {"x-": range(0, nx * ny, nx), "x+": range(nx - 1, nx * ny, nx), "y-": range(nx), "y+": range(nx * ny - nx, nx * ny)}[
+        side
+    ]
+    s = np.linspace(0.0, 1.0, 2001)
+    parameters = [s, s]
+    parameters[fixed] = np.full_like(s, value)
+    shape, total, sums = element.shape(*parameters), 0.0, np.zeros((2, 3))
+    for k in own:
+        lengths = mesh.scale[k].reshape(-1, 3)[[element.vector_names.index("r_x"), element.vector_names.index("r_y")], 0]
+        now, rest = ((v * mesh.scale[k]).reshape(-1, 3) for v in (q[mesh.coords[k]], mesh.reference[k]))
+        ds = np.linalg.norm(shape[2 - fixed] @ rest, axis=1)
+        total += np.trapezoid(ds, s)
+        sums += [np.trapezoid(ds[:, None] * (shape[1 + i] @ now) / lengths[i], s, axis=0) for i in (0, 1)]
+    # the rule's error is h^2 / 12 = 2e-8 times second derivatives of order one
+    np.testing.assert_allclose(found, sums / total, atol=1e-7)
 
 
 def test_a_configuration_without_a_frame_gives_no_number(mesh, moving):
@@ -289,8 +325,21 @@ def test_a_closed_ring_has_no_floating_frame(element, rng):
     ring = patch(element, np.linspace(0.0, 2 * np.pi * 1.3, 9), [0.0, 1.0], SURFACES["cylinder"])
     with pytest.raises(ModelError, match="ring: the mean of r_x and r_y over the reference has no direction"):
         models["floating"]("ring", *ring.tables, C)
+    with pytest.raises(ModelError, match="ring: the mean of r_x and r_y over the reference has no direction"):
+        moving_block("floating at y-", ring, C, "ring")
     block, q = models["corotational"]("ring", *ring.tables, C), moved(ring, ring.rest, rng)
     assert block.energy(0.0, q) < 1e-24 * block.energy(0.0, deformed(ring, rng))
+
+
+def test_a_surface_that_ends_nowhere_has_no_frame_at_an_edge(element, rng):
+    """The last nodes of a closed ring are its first."""
+    n = 8
+    ring = patch(element, np.linspace(0.0, 2 * np.pi * 1.3, n + 1), [0.0, 1.0], SURFACES["cylinder"])
+    width = 3 * element.vectors_per_node
+    node, place = np.divmod(ring.coords, width)
+    joined = replace(ring, coords=width * np.where(node % (n + 1) == n, node - n, node) + place)
+    with pytest.raises(ModelError, match=r"ring: the surface has no edge x\+ for a frame; accepted are edges where"):
+        moving_block("floating at x+", joined, section(rng), "ring")
 
 
 # --- inertia --------------------------------------------------------------------------------------

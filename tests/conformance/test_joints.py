@@ -29,6 +29,10 @@ def make_plate():
 JOINTS = {
     "clamp of an edge": lambda p: [lm.Clamp("joint", p.edge("x-"))],
     "clamp of a point": lambda p: [lm.Clamp("joint", p.marker("at", 0.3, 0.5))],
+    "restrained clamp": lambda p: [lm.Clamp("joint", p.edge("y-"), kind="restrained")],
+    "sliding clamp": lambda p: [lm.Clamp("joint", p.edge("x-"), kind="sliding")],
+    "moving restrained clamp": lambda p: [lm.Clamp("joint", p.edge("x+"), {"x": DRIVE, "y": DRIVE}, "restrained")],
+    "moving sliding clamp": lambda p: [lm.Clamp("joint", p.edge("y+"), {"x": DRIVE, "z": DRIVE}, "sliding")],
     "moving clamp": lambda p: [lm.Clamp("joint", p.edge("y+"), motion={"x": DRIVE, "z": DRIVE})],
     "point support": lambda p: [lm.PointSupport("joint", p.marker("at", 0.31, 0.47)), lm.Clamp("other", p.edge("x-"))],
     "point support along z": lambda p: [lm.PointSupport("joint", p.corner("x+y+"), axes="z"), lm.Clamp("other", p.edge("x-"))],
@@ -249,6 +253,11 @@ def test_given_length_is_reached_at_the_start_of_a_motion():
         (lambda p: lm.PointSupport("s", p.corner("x-y-"), axes=""), r"PointSupport 's': axes ''"),
         (lambda p: lm.EdgeSupport("s", p.edge("x-"), axes="xyzz"), r"EdgeSupport 's': axes 'xyzz'"),
         (lambda p: lm.Clamp("s", p.edge("x-"), motion={"w": 1.0}), r"Clamp 's': axes 'w'"),
+        (lambda p: lm.Clamp("s", p.edge("x-"), kind="loose"), r"Clamp 's'.*kind.*full.*restrained.*sliding"),
+        (
+            lambda p: lm.Clamp("s", p.corner("x-y-"), kind="sliding"),
+            r"Clamp 's': kind 'sliding' of the point plate\.x-y-; accepted",
+        ),
         (lambda p: lm.Clamp("s", p.edge("left")), r"no edge 'left'; accepted is x-, x\+, y- or y\+"),
         (lambda p: lm.PointSupport("s", p.corner("top")), r"no corner 'top'; accepted is x-y-"),
         (lambda p: lm.PrescribedMotion("s", p.corner("x-y-"), "w", 1.0), r"PrescribedMotion 's'.*axis"),

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import lamella as lm
+from lamella.errors import DeclarationError
+from lamella.math.rotation import matrix_from_vector, polar
 
-MOVING = ("floating", "corotational")
+MOVING = ("floating", "floating at x-", "corotational")
 SIZE = (0.4, 0.3)
 E, RHO = 70e9, 2700.0
 TIGHT = lm.Newton(tolerance=1e-10)  # what remains of an iteration adds up over a motion and must not hide what is compared
@@ -15,7 +17,13 @@ ALUMINIUM = lm.Isotropic(E=E, nu=0.3, rho=RHO)
 
 
 def plate(name, strain, thickness, size=SIZE, mesh=(2, 2), **given):
-    return lm.Plate(name, size, mesh, lm.Laminate(ALUMINIUM, thickness=thickness), strain=strain, **given)
+    return lm.Plate(name, size, mesh, lm.Laminate(ALUMINIUM, thickness=thickness), **modelled(strain), **given)
+
+
+def modelled(strain):
+    """The strain model of a name, and the edge that its frame follows."""
+    model, _, edge = strain.partition(" at ")
+    return {"strain": model, "frame_at": edge or "mean"}
 
 
 def elastic_slope(length, thickness):
@@ -96,7 +104,7 @@ def flying(strain):
     system = lm.System()
     motion = {"velocity": (1.0, -2.0, 3.0), "angular_velocity": (2.0, 5.0, -3.0), "rotation": (0.3, 0.2, 0.1)}
     layup = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
-    system.add(lm.Plate("plate", (1.0, 0.8), (2, 2), layup, strain=strain, **motion))
+    system.add(lm.Plate("plate", (1.0, 0.8), (2, 2), layup, **modelled(strain), **motion))
     modes = lm.modes(system, 8)
     model = modes.model
     v = model.v0 + sum(modes.displaced(mode, speed) - modes.state for mode, speed in ((6, 1.0), (7, 0.5)))
@@ -132,7 +140,7 @@ def test_a_clamped_plate_hangs_and_stretches():
     end = {}
     for strain in ("exact", "linear", *MOVING):
         system = lm.System()
-        body = system.add(lm.Plate("plate", SIZE, (3, 2), soft, rotation=(0.0, np.pi / 2, 0.0), strain=strain))
+        body = system.add(lm.Plate("plate", SIZE, (3, 2), soft, rotation=(0.0, np.pi / 2, 0.0), **modelled(strain)))
         system.add(lm.Clamp("root", body.edge("x-")))
         system.add(lm.Gravity("gravity"))
         body.marker("end", SIZE[0], SIZE[1] / 2)
@@ -141,6 +149,81 @@ def test_a_clamped_plate_hangs_and_stretches():
         end[strain] = result["end.position"].values - [0.0, SIZE[1] / 2, -SIZE[0]]
     stretch = -end["linear"][2]
     assert stretch == pytest.approx(1000 * 9.81 * SIZE[0] ** 2 / (2 * 1e6), rel=0.1)  # rho g L^2 / (2 E); the clamp holds a bit
-    np.testing.assert_allclose(end["floating"], end["linear"], atol=1e-9 * stretch)
+    for strain in ("floating", "floating at x-"):
+        np.testing.assert_allclose(end[strain], end["linear"], atol=1e-9 * stretch)
     for strain in ("exact", "corotational"):  # terms of second order, of the size of the strain
         assert 1e-6 < np.abs(end[strain] - end["linear"]).max() / stretch < 3 * stretch / SIZE[0]
+
+
+def cantilever(strain, turn, load):
+    """A thin cantilever under a load [N] normal to it at a corner, its clamp turned by ``turn``; displacement in its own axes."""
+    R = matrix_from_vector(np.array(turn))
+    system, body = lm.System(), plate("plate", strain, 0.001, mesh=(4, 2), rotation=turn)
+    system.add(body)
+    system.add(lm.Clamp("root", body.edge("x-")))
+    system.add(lm.PointForce("load", body.marker("end", *SIZE), tuple(load * R[:, 2])))
+    result = lm.equilibrium(system, newton=lm.Newton(tolerance=1e-12))
+    return result["end.position"].values @ R - (*SIZE, 0.0), lm.modes(result.model, 6).frequencies
+
+
+@pytest.mark.parametrize("load", [1e-3, 10.0])
+def test_a_frame_at_the_clamp_gives_linear_theory_for_any_load(load):
+    """With 10 N the linear deflection is a third of the length, where the frame of the mean gradient is far too stiff."""
+    expected, frequencies = cantilever("linear", (0.0, 0.0, 0.0), load)
+    for turn in ((0.0, 0.0, 0.0), (0.7, -1.9, 0.4)):
+        found, own = cantilever("floating at x-", turn, load)
+        np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())  # conditioning 1e8 of a thin plate
+        np.testing.assert_allclose(own, frequencies, rtol=1e-8)
+    if load == 10.0:
+        assert expected[2] > SIZE[0] / 3
+        assert cantilever("floating", (0.0, 0.0, 0.0), load)[0][2] < 0.5 * expected[2]
+
+
+def test_a_thin_cantilever_has_the_stiffness_and_the_frequency_of_a_beam():
+    """w = F L^3 / (3 E I), f = 1.8751^2 / (2 pi L^2) sqrt(E I / m): a narrow strip, as Euler and Bernoulli have it."""
+    L, b, t, F = 1.0, 0.02, 0.002, 0.004
+    EI, m = E * b * t**3 / 12, RHO * b * t
+    system = lm.System()
+    body = system.add(plate("strip", "floating at x-", t, (L, b), (8, 1)))
+    system.add(lm.Clamp("root", body.edge("x-"), kind="restrained"))
+    system.add(lm.PointForce("load", body.marker("end", L, b / 2), (0.0, 0.0, F)))
+    result = lm.equilibrium(system)
+    # a root that cannot curve across stiffens by nu^2 over a width or so, where x^2 has its share: 3 nu^2 b / L = 0.5 %
+    assert result["end.position"].values[2] == pytest.approx(F * L**3 / (3 * EI), rel=1e-2)
+    first = 1.8751041**2 / (2 * np.pi * L**2) * np.sqrt(EI / m)
+    assert lm.modes(result.model, 1).frequencies[0] == pytest.approx(first, rel=1e-2)
+
+
+def on_a_hub(strain):
+    """A panel on a hub that is driven through one and a half turns in 2 s; the motion is slow beside the panel's modes."""
+    system, ground = lm.System(), lm.Ground()
+    hub = lm.RigidBody("hub", mass=20.0, inertia=(2.0, 2.0, 2.0))
+    panel = plate("panel", strain, 0.01, mesh=(3, 1), position=(0.2, -0.15, 0.0))
+    for item in (ground, hub, panel):
+        system.add(item)
+    pin = system.add(lm.RevoluteJoint("pin", ground.origin, hub.origin, axis=(0, 1, 0)))
+    system.add(lm.FixedJoint("mount", hub.marker("face", 0.2, 0, 0), panel.edge("x-")))
+    system.add(lm.AngleDrive("motor", pin, angle=lm.Cycloid(t_end=2.0, end=3 * np.pi)))
+    panel.marker("tip", SIZE[0], SIZE[1] / 2)
+    return lm.simulate(system, 2.0, lm.GeneralizedAlpha(dt=2.5e-3, rho_inf=0.8, newton=TIGHT))
+
+
+def test_a_frame_at_the_root_follows_the_hub():
+    small, exact = on_a_hub("floating at x-"), on_a_hub("exact")
+    model, q = small.model, small.final.q
+    path, angle = small["tip.position"].values, small["pin.angle"].values
+    arm = 0.2 + SIZE[0]
+    bent = np.abs(path - arm * np.stack([np.cos(angle), 0.0 * angle, -np.sin(angle)], axis=1)).max()
+    assert 5e-5 < bent < 2e-4
+    # what linear theory leaves out is the stiffening by rotation, (9 / 330)^2 = 8e-4 of the deflection
+    np.testing.assert_allclose(path, exact["tip.position"].values, atol=1e-2 * bent)
+    np.testing.assert_allclose(path[-1], [-arm, 0.0, 0.0], atol=1e-2 * bent)  # half a turn is left over
+    (block,) = (block for block in model.forces if block.name == "panel")
+    frame = polar(np.swapaxes(block.groups.weights @ q[block.groups.coords], -1, -2))[0][0]
+    np.testing.assert_allclose(frame, model.rigid_bodies[0].rotation(q), atol=1e-10)
+
+
+@pytest.mark.parametrize("strain", ["exact", "linear", "corotational", "rigid"])
+def test_only_the_floating_frame_is_at_an_edge(strain):
+    with pytest.raises(DeclarationError, match=f"Plate 'p': frame_at 'y-' with the strain model '{strain}'; accepted are 'mean'"):
+        lm.Plate("p", SIZE, (1, 1), lm.Laminate(ALUMINIUM, thickness=0.01), strain=strain, frame_at="y-")

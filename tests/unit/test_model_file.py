@@ -141,6 +141,16 @@ def test_bodies_joints_and_references_to_joints_are_read_and_written() -> None:
     assert loads(BODIES, ["redundant=raise"]).system.redundant == "raise"
 
 
+def test_the_kind_of_a_clamp_is_a_key_beside_its_type() -> None:
+    text = changed("{type: clamp, on: plate.x-}", "{type: clamp, on: plate.x-, kind: sliding}")
+    system = loads(text).system
+    assert system.declarations[0].kind == "sliding"
+    assert "kind: sliding" in dumps(system)
+    assert loads(dumps(system)).system.declarations[0].kind == "sliding"
+    with pytest.raises(ModelFileError, match=r"system\.root\.kind: found 'loose'; accepted are full, restrained, sliding"):
+        loads(changed("{type: clamp, on: plate.x-}", "{type: clamp, on: plate.x-, kind: loose}"))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "key", "said"),
     [

@@ -12,8 +12,9 @@ from lamella.body.mesh import PlateMesh
 from lamella.body.plate_frame import plate_frame, rigid_rows
 from lamella.declaration import declaration
 from lamella.element.base import ELEMENTS
-from lamella.element.plate48.block import STRAIN_MODELS, ShellInertia
+from lamella.element.plate48.block import STRAIN_MODELS, FloatingShellBlock, ShellInertia
 from lamella.element.plate48.damping import KelvinVoigtBlock, MassDampingBlock
+from lamella.element.plate48.frame_groups import FramePlace
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
 from lamella.material.laminate import Laminate
@@ -65,6 +66,8 @@ class Plate(Body):
         strain: ``exact`` (Kirchhoff-Love, large displacements); a small-deformation comparator on the same mesh, linear in a
             frame that is fixed (``linear``), follows the plate (``floating``) or each element (``corotational``); or ``rigid``: a
             panel of the same geometry and mass that keeps its shape.
+        frame_at: what the frame of ``floating`` follows: the ``mean`` gradient over the plate, or that over one of its edges (the
+            one that is clamped, for example).
         n_gauss: Gauss points in each direction of an element.
         damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt); rigid rotation is not damped.
         mass_damping: mass-proportional damping [1/s]: force -c M v; it damps every motion.
@@ -81,6 +84,7 @@ class Plate(Body):
     velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
     angular_velocity: tuple[AngularVelocity, AngularVelocity, AngularVelocity] = (0.0, 0.0, 0.0)
     strain: Literal["exact", "linear", "floating", "corotational", "rigid"] = "exact"
+    frame_at: FramePlace = "mean"
     n_gauss: Literal[3, 4, 5] = 4
     damping: Seconds = 0.0
     mass_damping: Rate = 0.0
@@ -88,6 +92,12 @@ class Plate(Body):
     element: Literal["plate48"] = "plate48"
 
     def __post_init__(self) -> None:
+        if self.frame_at != "mean" and self.strain != "floating":
+            raise DeclarationError(
+                f"Plate '{self.name}'",
+                f"frame_at '{self.frame_at}' with the strain model '{self.strain}'",
+                "accepted are 'mean', or an edge with 'floating'",
+            )
         for name, at in self.markers.items():
             self._check_inside(name, at)
 
@@ -129,6 +139,9 @@ class Plate(Body):
         arguments = (mesh.coords, mesh.scale, mesh.reference)
         if self.strain == "rigid":
             build.tie(rigid_rows(mesh))
+        elif self.strain == "floating":
+            block = FloatingShellBlock(self.name, *arguments, self.laminate.stiffness, self.n_gauss, self.frame_at)
+            build.forces.append(block)
         else:
             build.forces.append(STRAIN_MODELS[self.strain](self.name, *arguments, self.laminate.stiffness, self.n_gauss))
         inertia = ShellInertia(self.name, *arguments, self.laminate.mass_per_area)

@@ -92,9 +92,9 @@ def field_specs(cls: type) -> dict[str, FieldSpec]:
 
 
 def tag_of(cls: type) -> tuple[str, str]:
-    """The key and value that choose a class in a model file: its field ``kind`` if it has one, else ``type: its_name``."""
+    """The key and value that choose a class in a model file: its field ``kind`` if that says no more, else ``type: its_name``."""
     spec = field_specs(cls).get("kind")
-    if spec is not None and get_origin(spec.annotation) is Literal:
+    if spec is not None and get_origin(spec.annotation) is Literal and len(get_args(spec.annotation)) == 1:
         return "kind", get_args(spec.annotation)[0]
     return "type", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
 

@@ -11,10 +11,11 @@ from lamella.declaration import declaration
 from lamella.dofs import Build
 from lamella.errors import DeclarationError
 from lamella.joint.base import Joint
+from lamella.joint.clamped_edge import Clamping, clamped_rows
 from lamella.joint.edge_rows import edge_pair, node_vectors
 from lamella.joint.equations import Rows, coincident, same_orientation
 from lamella.joint.rows import centre
-from lamella.kinematics import Frame, VectorRows
+from lamella.kinematics import Frame
 
 
 @declaration
@@ -25,7 +26,9 @@ class FixedJoint(Joint):
 
     Between a marker of a rigid body (or of the ground, or a point of another plate) and an edge of a plate: every node vector of
     the edge is fixed in the marker's frame, r = r_a + R s, and r_x, r_y, r_xy turn with R. The rows are linear and eliminated, so
-    the edge is an exact part of the body and costs nothing.
+    the edge is an exact part of the body and costs nothing. The kinds ``restrained`` and ``sliding`` leave the plate free to
+    strain in its plane at the edge, as those of :class:`Clamp`, in the frame of the marker; what they hold along the frame's axes
+    takes multipliers.
 
     Between two edges: position, slopes and twist of both are the same at every node, which welds two plates that continue each
     other in the reference configuration.
@@ -34,23 +37,28 @@ class FixedJoint(Joint):
         name: unique name.
         a: a marker, or an edge of a plate.
         b: a marker, or an edge of a plate; a joint of a marker and an edge has the edge here.
+        kind: ``full``, ``restrained`` or ``sliding``; all but ``full`` are for a marker and an edge.
     """
 
     name: str
     a: Marker | Edge
     b: Marker | Edge
+    kind: Clamping = "full"
 
     def contribute(self, build: Build) -> None:
         """Add the rows and the reaction on b."""
+        if self.kind != "full" and not (isinstance(self.a, Marker) and isinstance(self.b, Edge)):
+            raise DeclarationError(
+                self.item, f"kind '{self.kind}' of {self.a} and {self.b}", "accepted are a marker and an edge, or the kind 'full'"
+            )
         if isinstance(self.a, Marker) and isinstance(self.b, Marker):
             super().contribute(build)
         elif isinstance(self.a, Marker) and isinstance(self.b, Edge):
             if self.a.body.name == self.b.body.name:
                 raise DeclarationError(self.item, f"{self.a} and {self.b} are on one body", "accepted are places of two bodies")
             frame = self.a.frame(build, self.axes())
-            build.hold(
-                self.name, self._edge_rows(build, frame, self.b), centre(build, self.b), self.b.body.name, frame, edge=True
-            )
+            rows = clamped_rows(build, self.b, frame, self.kind, f"in the frame of {self.a}")
+            build.hold(self.name, rows, centre(build, self.b), self.b.body.name, frame, edge=True)
         elif isinstance(self.a, Edge) and isinstance(self.b, Edge):
             build.hold(self.name, self._weld(build, self.a, self.b), centre(build, self.b), self.b.body.name, edge=True)
         else:
@@ -58,20 +66,6 @@ class FixedJoint(Joint):
 
     def equations(self, a: Frame, b: Frame) -> Rows:
         return [*coincident(self.name, a, b), *same_orientation(self.name, a, b)]
-
-    def _edge_rows(self, build: Build, frame: Frame, edge: Edge) -> Rows:
-        """Every vector of the edge's nodes as it stands in the frame."""
-        initial, rows = build.initial, []
-        turn, origin = frame.rotation(initial), frame.origin.at(initial)
-        for (node, name), vector in node_vectors(edge.body.compiled(build), edge).items():
-            position = name == "r"
-            components = turn.T @ (vector.at(initial) - (origin if position else 0.0))
-            fixed = frame.origin if position else VectorRows.fixed(np.zeros(3))
-            for c, axis in zip(components.tolist(), frame.axes, strict=True):
-                if c:
-                    fixed += c * axis
-            rows += vanishing(vector - fixed, f"{name} at node {node} of edge {edge} in the frame of {self.a}")
-        return rows
 
     def _weld(self, build: Build, a: Edge, b: Edge) -> Rows:
         """All vectors of both edges' nodes are the same; the parameters of both plates must run alike."""

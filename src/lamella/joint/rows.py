@@ -14,21 +14,6 @@ from lamella.kinematics import VectorRows
 AXES = "xyz"
 
 
-def hold_vector(build: Build, vector: int, label: str, axes: str, motions: Mapping[str, Motion] | None = None) -> list[LinearRow]:
-    """Hold components of one coordinate vector at their reference values plus motions."""
-    reference = build.initial[vector]
-    return [
-        LinearRow(
-            f"{axis} of {label}",
-            np.array([3 * vector + AXES.index(axis)]),
-            np.ones(1),
-            float(reference[AXES.index(axis)]),
-            (motions or {}).get(axis),
-        )
-        for axis in axes
-    ]
-
-
 def hold_point(
     build: Build, marker: Marker, axes: str, weights: str = "position", motions: Mapping[str, Motion] | None = None
 ) -> list[LinearRow]:
@@ -50,17 +35,15 @@ def hold_point(
     ]
 
 
-def hold_edge(
-    build: Build, edge: Edge, names: tuple[str, ...], axes: str, motions: Mapping[str, Motion] | None = None
-) -> list[LinearRow]:
-    """Hold components of the named nodal vectors at all nodes of an edge; motions move the positions only."""
+def hold_edge(build: Build, edge: Edge, names: tuple[str, ...], axes: str) -> list[LinearRow]:
+    """Hold components of the named nodal vectors at all nodes of an edge at their reference values."""
     mesh = edge.body.compiled(build)
-    rows: list[LinearRow] = []
-    for node in mesh.edge_nodes(edge.side):
-        for name in names:
-            label = f"{name} at node {node} of edge {edge}"
-            rows += hold_vector(build, mesh.vector(int(node), name), label, axes, motions if name == "r" else None)
-    return rows
+    vectors = [(mesh.vector(int(node), name), f"{name} at node {node}") for node in mesh.edge_nodes(edge.side) for name in names]
+    return [
+        LinearRow(f"{axis} of {label} of edge {edge}", np.array([3 * vector + c]), np.ones(1), float(build.initial[vector, c]))
+        for vector, label in vectors
+        for axis, c in ((axis, AXES.index(axis)) for axis in axes)
+    ]
 
 
 def centre(build: Build, on: Edge | Marker) -> VectorRows:

@@ -1,7 +1,7 @@
 """Elastic Plate48 shells with the linear stiffness of the reference in frames that follow the motion.
 
-A group of coordinate vectors x_k has the mean gradients f_i = sum_k w_ik x_k (the means of r_x and r_y over the reference area),
-and its frame R = [d1, d2, d3] is the rotation of the polar decomposition of [f1, f2], which makes
+A group of coordinate vectors x_k has the mean gradients f_i = sum_k w_ik x_k (the means of r_x and r_y over the reference area,
+or along an edge), and its frame R = [d1, d2, d3] is the rotation of the polar decomposition of [f1, f2], which makes
 
     d1 x f1 + d2 x f2 = 0
 
@@ -35,7 +35,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamella.element.plate48.frame_groups import FrameGroups, body_group, element_groups
+from lamella.element.plate48.frame_groups import FrameGroups, FramePlace, body_group, element_groups
 from lamella.element.plate48.frame_kernels import turned_stiffness
 from lamella.errors import LamellaError
 from lamella.math.rotation import polar
@@ -175,11 +175,25 @@ class FloatingShellBlock(FrameShellBlock):
 
     It is the floating frame of reference with all elastic modes of the mesh: the body moves as it likes and deforms as linear
     theory says. Its tangent is dense, n_q (n_q + 3) / 2 numbers for n_q coordinates, and so is the matrix of the system: the
-    memory of a system grows with the square of the plate's coordinates. The arguments are those of :class:`ShellBlock`.
+    memory of a system grows with the square of the plate's coordinates. The arguments are those of :class:`ShellBlock`, and
+
+    Args:
+        frame_at: what the frame follows: the ``mean`` gradient over the body, or that over an edge. With an edge that is clamped
+            the body deforms as linear theory says in the frame of the clamp.
 
     Raises:
-        ModelError: as :class:`ShellBlock`, or the mean gradient of the body's reference is singular (a closed ring has none).
+        ModelError: as :class:`ShellBlock`, the surface has no such edge, or the mean gradient of the reference is singular (a
+            closed ring has none).
     """
 
-    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int = 4) -> None:
-        super().__init__(name, body_group(name, coords, scale, reference, stiffness, n_gauss))
+    def __init__(
+        self,
+        name: str,
+        coords: Ints,
+        scale: Floats,
+        reference: Floats,
+        stiffness: Floats,
+        n_gauss: int = 4,
+        frame_at: FramePlace = "mean",
+    ) -> None:
+        super().__init__(name, body_group(name, coords, scale, reference, stiffness, n_gauss, frame_at))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -12,8 +13,12 @@ from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.shape import Plate48, gauss_points, product_order
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import LamellaError, ModelError
+from lamella.math.gauss import gauss_rule
 from lamella.math.rotation import polar
 from lamella.roles import Bools, Floats, Ints
+
+FramePlace = Literal["mean", "x-", "x+", "y-", "y+"]
+"""Where the gradients are taken that turn the frame of a body: all over it, or along the edge of least or greatest x or y."""
 
 
 @dataclass(frozen=True)
@@ -49,20 +54,25 @@ def element_groups(name: str, coords: Ints, scale: Floats, reference: Floats, st
     return _in_frames(name, coords, _is_position(1), integrals / area[:, None, None], reference, matrices)
 
 
-def body_group(name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int) -> FrameGroups:
-    """All elements one group. The arguments are those of :class:`ShellBlock`.
+def body_group(
+    name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int, frame_at: FramePlace
+) -> FrameGroups:
+    """All elements one group. The arguments are those of :class:`FloatingShellBlock`.
 
     Raises:
-        ModelError: as :class:`ShellBlock`, or the mean gradient of the body's reference is singular (a closed ring has none).
+        ModelError: as :class:`FloatingShellBlock`.
     """
     matrices = _element_stiffness(name, coords, scale, reference, stiffness, n_gauss)
-    integrals, area = _gradient_integrals(name, scale, reference)
+    if frame_at == "mean":
+        integrals, measure = _gradient_integrals(name, scale, reference)
+    else:
+        integrals, measure = _edge_integrals(name, np.asarray(coords), scale, reference, frame_at)
     coords = np.asarray(coords, np.int64).reshape(len(coords), -1, 3)
     _, first, place = np.unique(coords[..., 0], return_index=True, return_inverse=True)
     place, n = place.reshape(len(coords), -1), len(first)
     weights, K0 = np.zeros((2, n)), np.zeros((n, 3, n, 3))
     for at, integral, matrix in zip(place, integrals, matrices, strict=True):
-        weights[:, at] += integral / area.sum()
+        weights[:, at] += integral / measure.sum()
         K0[at[:, None], :, at[None, :], :] += matrix.reshape(len(at), 3, len(at), 3).swapaxes(1, 2)
     rest = np.asarray(reference, float).reshape(-1, 3)[first]
     own, is_position = coords.reshape(-1, 3)[first][None], _is_position(len(coords))[first]
@@ -113,9 +123,39 @@ def _gradient_integrals(name: str, scale: Floats, reference: Floats) -> tuple[Fl
     spec = Plate48()
     xi, eta, weights = gauss_points(4)
     shape = spec.shape(xi, eta)
-    factors = np.asarray(scale, float)[:, ::3]
     points = derivatives_at_points(shape, np.asarray(reference, float) * scale)
     area = reference_surface(name, points).area * weights
-    integrals = np.einsum("eg,dgs->eds", area, shape[1:3]) * factors[:, None, :]
+    return _slope_integrals(area, shape, scale), area.sum(axis=1)
+
+
+def _edge_integrals(name: str, coords: Ints, scale: Floats, reference: Floats, side: str) -> tuple[Floats, Floats]:
+    """The same along an edge of the body, with the reference length in place of the area; zero for elements away from it."""
+    spec = Plate48()
+    fixed, value = "xy".index(side[0]), int(side[1] == "+")
+    places, weights = gauss_rule(4)
+    parameters = [places, places]
+    parameters[fixed] = np.full_like(places, value)
+    shape = spec.shape(*parameters)
+    along = derivatives_at_points(shape, np.asarray(reference, float) * scale)[2 - fixed]
+    length = np.linalg.norm(along, axis=-1) * weights
+    length[~_on_edge(coords, fixed, value)] = 0.0
+    if not length.any():
+        raise ModelError(f"{name}: the surface has no edge {side} for a frame; accepted are edges where the surface ends")
+    return _slope_integrals(length, shape, scale), length.sum(axis=1)
+
+
+def _on_edge(coords: Ints, fixed: int, value: int) -> Bools:
+    """Whether each element's side, where the parameter ``fixed`` has the value 0 or 1, is not the opposite side of another."""
+    spec = Plate48()
+    numbers = coords[:, :: coords.shape[1] // len(spec.nodes)]
+    own, opposite = (numbers[:, [node[fixed] == at for node in spec.nodes]].tolist() for at in (value, 1 - value))
+    inner = {frozenset(pair) for pair in opposite}
+    return np.array([frozenset(pair) not in inner for pair in own])
+
+
+def _slope_integrals(measure: Floats, shape: Floats, scale: Floats) -> Floats:
+    """Integrals of r_x and r_y with the weights ``measure`` (n_element, n_point), shape (n_element, 2, 16)."""
+    spec = Plate48()
+    factors = np.asarray(scale, float)[:, ::3]
     lengths = factors[:, [spec.vector_names.index("r_x"), spec.vector_names.index("r_y")]]
-    return integrals / lengths[:, :, None], area.sum(axis=1)
+    return np.einsum("eg,dgs->eds", measure, shape[1:3]) * factors[:, None, :] / lengths[:, :, None]
