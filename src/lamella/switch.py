@@ -16,7 +16,7 @@ class SwitchedForce(ForceBlock):
     def __init__(self, block: ForceBlock, *, on: bool) -> None:
         self.block, self.on, self._at_start = block, on, on
         self.name, self.symmetry, self.depends_on_velocity = block.name, block.symmetry, block.depends_on_velocity
-        self.varies = block.varies
+        self.varies, self.first_order = block.varies, block.first_order
         self.f_coords, self.f_scale = block.f_coords, block.f_scale
         self.k_rows, self.k_cols, self.k_scale = block.k_rows, block.k_cols, block.k_scale
 

@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from lamella._jit import njit
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Ints
 
@@ -53,17 +54,8 @@ class SaddleMatrix:
 
     def fill(self, k: Floats, j: Floats) -> None:
         """Set the values of K and J, in the order of the pattern, and equilibrate."""
-        values = np.concatenate([k, j])[self._source]
-        data, scale = np.abs(values), np.ones(self.size)
-        for _ in range(SWEEPS):
-            largest = np.maximum.reduceat(data, self.matrix.indptr[:-1])
-            if not self.pattern.symmetric:
-                np.maximum.at(largest, self._rows, data)
-            factor = 1 / np.sqrt(np.where(largest > 0, largest, 1.0))
-            data *= factor[self._rows] * factor[self._cols]
-            scale *= factor
-        self.scale = scale
-        self.matrix.data[:] = values * scale[self._rows] * scale[self._cols]
+        values = np.concatenate([k, j])
+        _equilibrate(values, self._source, self._rows, self._cols, SWEEPS, self.scale, self.matrix.data)
 
     def scaled(self, r: Floats, s: Floats) -> Floats:
         """Right-hand side of the equilibrated, ordered system, shape (n + n_lam,)."""
@@ -86,6 +78,25 @@ class SaddleMatrix:
             z = lu.solve(z)
             z /= np.abs(z).max()
         return int(self.order[np.argmax(np.abs(z))])
+
+
+@njit
+def _equilibrate(values: Floats, source: Ints, rows: Ints, cols: Ints, sweeps: int, scale: Floats, data: Floats) -> None:
+    """Scale of each row and column, and the scaled entries, in the order of ``rows`` and ``cols``."""
+    n = len(scale)
+    largest = np.empty(n)
+    scale[:] = 1.0
+    for _ in range(sweeps):
+        largest[:] = 0.0
+        for i in range(len(rows)):
+            size = abs(values[source[i]]) * scale[rows[i]] * scale[cols[i]]
+            largest[rows[i]] = max(largest[rows[i]], size)
+            largest[cols[i]] = max(largest[cols[i]], size)
+        for i in range(n):
+            if largest[i] > 0.0:
+                scale[i] /= np.sqrt(largest[i])
+    for i in range(len(rows)):
+        data[i] = values[source[i]] * scale[rows[i]] * scale[cols[i]]
 
 
 def probe(size: int) -> Floats:

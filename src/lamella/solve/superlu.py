@@ -23,9 +23,9 @@ REFINE_ABOVE = 1e-12
 class SuperLUSolver(LinearSolver):
     """LU factorisation of the equilibrated saddle-point matrix by SuperLU.
 
-    A symmetric pattern is ordered by minimum degree on A + A^T and takes its pivots on the diagonal where these are not much
-    smaller than the rest of their column; that order is kept. When the result is poor, and for unsymmetric patterns, rows are
-    exchanged freely and columns ordered by COLAMD.
+    The matrix is ordered by minimum degree on A + A^T and takes its pivots on the diagonal where these are not much smaller than
+    the rest of their column; that order is kept. When the result is poor, rows are exchanged freely and columns ordered by
+    COLAMD.
 
     Source: X. S. Li, ACM Trans. Math. Softw. 31 (2005) 302-325.
     """
@@ -51,7 +51,7 @@ class SuperLUSolver(LinearSolver):
         if error is not None:
             raise error
         self._a.fill(k, j)
-        if not (self.pattern.symmetric and self._pivot_on_diagonal(k, j)) and not self._pivot_freely():
+        if not self._pivot_on_diagonal(k, j) and not self._pivot_freely():
             self._lu = None
             raise singular(self.pattern, self._a.free_index())
 
