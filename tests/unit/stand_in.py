@@ -26,6 +26,8 @@ def laminate(**strengths: float) -> Laminate:
 class QuadraticPlate:
     """Nine points, shape (3, 3), numbered x fastest, interpolated by Lagrange polynomials of degree 2 in each direction."""
 
+    temperature = None
+
     nx, ny = 4, 4
 
     def __init__(self, name: str, first: int = 0, **strengths: float) -> None:

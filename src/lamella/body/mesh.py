@@ -15,7 +15,9 @@ from lamella.roles import Floats, Ints
 
 
 class TemperatureSource(Protocol):
-    """A temperature field of a plate."""
+    """A temperature field of a plate; ``reference`` is the absolute temperature T_0 of T = T_0 + T_N + z T_M."""
+
+    reference: float
 
     def at(self, q: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """T_N [K] and T_M [K/m] at points (x, y) [m], from all coordinates."""

@@ -105,6 +105,7 @@ class GeneralizedAlphaStepper(Stepper):
         chosen = equations.model.is_position[equations.elimination.independent[:n] // 3]
         self.positions = chosen if chosen.any() else ~chosen  # errors are displacements; slopes would weigh short waves too much
         is_slope = ~np.repeat(equations.model.is_position, 3)[equations.elimination.independent[:n]]
+        self._per_size = 1.0 / equations.magnitude[:n]
         self._slopes, self._slope_size = np.flatnonzero(is_slope), equations.magnitude[:n][is_slope]
 
     def restart(self, point: Point) -> None:
@@ -113,7 +114,8 @@ class GeneralizedAlphaStepper(Stepper):
         self.q = self.equations.coordinates(point)
         self.fields.restart(point.ud[self.n :])
         self.newton.forget()
-        self._new: tuple[Point, Floats, Floats, float] | None = None
+        self._new: tuple[Point, Floats, Floats, float, bool] | None = None
+        self._smooth = False
 
     def weights(self, dt: float) -> Weights:
         """How the unknown, the new independent coordinates, moves velocities and accelerations."""
@@ -122,14 +124,15 @@ class GeneralizedAlphaStepper(Stepper):
         return Weights(1.0, self.gamma / (self.beta * dt), ratio / (self.beta * dt**2), rate)
 
     def step(self, dt: float) -> StepOutcome:
-        """Predict constant velocity, then solve.
+        """Predict, then solve.
 
-        Accelerations of a thin plate hold much of its stiff stretching, which is better not extrapolated: constant velocity saved
-        a twentieth to a tenth of Newton's iterations against constant or vanishing acceleration.
+        The prediction is that of constant velocity or of constant acceleration, whichever came nearer in the last step. In smooth
+        motion the acceleration is worth having: without the centripetal part, a turning plate is predicted stretched. In violent
+        motion it holds much of the plate's stiff stretching, which is better not extrapolated.
         """
         old, a, weights = self.point, self.a, self.weights(dt)
         base = old.u + dt * old.ud + dt**2 * (0.5 - self.beta) * a
-        du = -(dt**2) * (0.5 - self.beta) * a
+        du = (dt**2 * self.beta if self._smooth else -(dt**2) * (0.5 - self.beta)) * a
         ud = old.ud + dt * (1 - self.gamma) * a + weights.alpha_v * du
         udd = (self.alpha_m * a - self.alpha_f * old.udd) / (1 - self.alpha_f) + weights.alpha_a * du
         new = Point(old.t + dt, base + du, ud, udd, old.lam.copy())
@@ -151,7 +154,9 @@ class GeneralizedAlphaStepper(Stepper):
         # From the accelerations: the difference of positions would divide their rounding by dt^2.
         a_new = ((1 - self.alpha_f) * new.udd + self.alpha_f * old.udd - self.alpha_m * a) / (1 - self.alpha_m)
         s_new = self.fields.algorithmic(old.ud[n:], new.ud[n:])
-        self._new = new, a_new, s_new, dt
+        moved = (new.u - old.u - dt * old.ud)[:n]
+        smooth = float(np.abs(moved - 0.5 * dt**2 * a[:n]) @ self._per_size) < float(np.abs(moved) @ self._per_size)
+        self._new = new, a_new, s_new, dt, smooth
         if self.options.tolerance is None:
             return StepOutcome(report, new)
         error = self._error(dt, a_new - a, weights)
@@ -177,7 +182,7 @@ class GeneralizedAlphaStepper(Stepper):
     def accept(self) -> Point:
         """Make the step final."""
         assert self._new is not None, "accept follows a converged step"
-        self.point, self.a, s, dt = self._new
+        self.point, self.a, s, dt, self._smooth = self._new
         self.fields.accept(dt, s)
         self.q = self.equations.coordinates(self.point)
         return self.point

@@ -50,12 +50,13 @@ class SaddleMatrix:
         indptr = np.searchsorted(self._cols, np.arange(self.size + 1))
         data = np.zeros(len(stored))
         self.matrix = sparse.csc_array((data, self._rows.astype(np.intc), indptr.astype(np.intc)), shape=(self.size, self.size))
+        self._data: Floats = self.matrix.data  # pyright: ignore[reportAttributeAccessIssue]
         self.scale = np.ones(self.size)
 
     def fill(self, k: Floats, j: Floats) -> None:
         """Set the values of K and J, in the order of the pattern, and equilibrate."""
         values = np.concatenate([k, j])
-        _equilibrate(values, self._source, self._rows, self._cols, SWEEPS, self.scale, self.matrix.data)
+        _equilibrate(values, self._source, self._rows, self._cols, SWEEPS, self.scale, self._data)
 
     def scaled(self, r: Floats, s: Floats) -> Floats:
         """Right-hand side of the equilibrated, ordered system, shape (n + n_lam,)."""

@@ -9,17 +9,20 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from lamella.errors import DeclarationError
-from lamella.material.failure import von_mises
 from lamella.material.laminate import Laminate
-from lamella.material.recovery import Criterion, failure_index, ply_stress
+from lamella.material.recovery import Criterion
+from lamella.material.recovery import Surface as Face
 from lamella.roles import Floats
 
 if TYPE_CHECKING:
-    from lamella.body.mesh import PlateSample
+    from lamella.body.mesh import PlateSample, TemperatureSource
     from lamella.result import Result
 
 VECTOR = ("x", "y", "z")
 PLANE = ("xx", "yy", "xy")
+HEAT = {"temperature_top", "temperature_bottom", "T_N", "T_M"}
+"""Fields of plates with a temperature field."""
+BOTH: tuple[Face, Face] = ("bottom", "top")
 
 
 class Surface(Protocol):
@@ -27,6 +30,7 @@ class Surface(Protocol):
 
     name: str
     laminate: Laminate
+    temperature: TemperatureSource | None
 
     def sample(self, q: Floats, per_element: int = 4) -> PlateSample:
         """Positions, normals and strains on a structured grid."""
@@ -107,26 +111,44 @@ def _strains(first: int) -> Callable[[Snapshot], Floats]:
 
 
 def _energy_density(shot: Snapshot) -> Floats:
-    """``W = 1/2 (eps, kap) . [[A, -B], [-B, D]] (eps, kap)`` [J/m^2]."""
-    strains = shot.now.strains
-    return 0.5 * np.einsum("...i,ij,...j->...", strains, shot.plate.laminate.stiffness, strains)
+    """``W = 1/2 R . C^-1 R`` with the resultants R = (N, M) of strains less thermal strains, C = [[A, -B], [-B, D]] [J/m^2]."""
+    resultants = shot.now.section_forces()
+    return 0.5 * np.sum(resultants * np.linalg.solve(shot.plate.laminate.stiffness, resultants[..., None])[..., 0], axis=-1)
 
 
-def _von_mises(shot: Snapshot, places: Sequence[tuple[int, str]]) -> Floats:
-    stresses = [ply_stress(shot.plate.laminate, shot.now.strains, ply, surface) for ply, surface in places]  # type: ignore[arg-type]
-    return np.max([von_mises(stress) for stress in stresses], axis=0)
+def _von_mises(shot: Snapshot, places: Sequence[tuple[int, Face]]) -> Floats:
+    return np.max([shot.now.von_mises(ply, face) for ply, face in places], axis=0)
 
 
-def _faces(laminate: Laminate) -> list[tuple[int, str]]:
+def _warm(evaluate: Callable[[Snapshot, TemperatureSource], Floats | float]) -> Callable[[Snapshot], Floats]:
+    """A field of plates that have a temperature."""
+
+    def on_grid(shot: Snapshot) -> Floats:
+        source = shot.plate.temperature
+        if source is None:
+            raise DeclarationError(
+                "picture",
+                f"plate '{shot.plate.name}' has no temperature",
+                "accepted is a field of its shape, or add a TemperatureField",
+            )
+        return np.broadcast_to(np.asarray(evaluate(shot, source), float), shot.now.r.shape[:2])
+
+    return on_grid
+
+
+def _temperature(shot: Snapshot, source: TemperatureSource, boundary: int) -> Floats:
+    """Absolute temperature [K] at the bottom (0) or top (-1) of the plate."""
+    return source.reference + np.asarray(shot.now.T_N) + shot.plate.laminate.z[boundary] * np.asarray(shot.now.T_M)
+
+
+def _faces(laminate: Laminate) -> list[tuple[int, Face]]:
     """Bottom and top of every ply: stress is linear within one, so its extremes are there."""
-    return [(ply, surface) for ply in range(len(laminate.layers)) for surface in ("bottom", "top")]
+    return [(ply, face) for ply in range(len(laminate.layers)) for face in BOTH]
 
 
 def _failure(criterion: Criterion) -> Callable[[Snapshot], Floats]:
     def largest(shot: Snapshot) -> Floats:
-        laminate, strains = shot.plate.laminate, shot.now.strains
-        faces = _faces(laminate)
-        return np.max([failure_index(laminate, strains, ply, face, criterion) for ply, face in faces], axis=0)  # type: ignore[arg-type]
+        return np.max([shot.now.failure_index(ply, face, criterion) for ply, face in _faces(shot.plate.laminate)], axis=0)
 
     return largest
 
@@ -145,18 +167,23 @@ FIELDS = {
         SurfaceField("von_mises", "Von Mises stress, all plies", "Pa", (), lambda s: _von_mises(s, _faces(s.plate.laminate))),
         SurfaceField("tsai_hill", "Tsai-Hill index, all plies", "1", (), _failure("tsai-hill")),
         SurfaceField("tsai_wu", "Tsai-Wu index, all plies", "1", (), _failure("tsai-wu")),
+        SurfaceField("temperature_top", "Temperature, top", "K", (), _warm(lambda shot, T: _temperature(shot, T, -1))),
+        SurfaceField("temperature_bottom", "Temperature, bottom", "K", (), _warm(lambda shot, T: _temperature(shot, T, 0))),
+        SurfaceField("T_N", "Change of temperature", "K", (), _warm(lambda shot, _: shot.now.T_N)),
+        SurfaceField("T_M", "Temperature gradient", "K/m", (), _warm(lambda shot, _: shot.now.T_M)),
     )
 }
 """Every field by its name; those "of all plies" are the largest value over the plies and their two faces."""
 
 
 def available(result: Result) -> list[SurfaceField]:
-    """The fields a result can give: velocities need frames that keep them, failure indices need strengths."""
+    """The fields a result can give: velocities need frames that keep them, failure indices strengths, temperatures a field."""
     from lamella.io.results import frame_velocities
 
     moving = bool(np.isfinite(frame_velocities(result)).all())
     strong = all(_has_strengths(plate.laminate) for plate in result.model.plates)
-    missing = (set() if moving else {"velocity"}) | (set() if strong else {"tsai_hill", "tsai_wu"})
+    warm = all(plate.temperature is not None for plate in result.model.plates)
+    missing = (set() if moving else {"velocity"}) | (set() if strong else {"tsai_hill", "tsai_wu"}) | (set() if warm else HEAT)
     return [field for name, field in FIELDS.items() if name not in missing]
 
 
