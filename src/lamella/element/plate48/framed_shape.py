@@ -69,8 +69,7 @@ class FramedShape:
     @cached_property
     def turning(self) -> Floats:
         """The matrices G_k beside each other, shape (n_group, 3, 3 n): a motion dX turns the frame by theta = sum_k G_k dX_k."""
-        G = self.weighted(self.turns)
-        return G.swapaxes(1, 2).reshape(len(G), 3, -1)
+        return self.beside(self.turns)
 
     def weighted(self, of_gradients: Floats) -> Floats:
         """sum_i w_ik A_i of each vector, shape (n_group, n, 3, 3), from A_i of shape (n_group, 2, 3, 3)."""
@@ -78,14 +77,26 @@ class FramedShape:
         w = self.groups.weights.swapaxes(1, 2)
         return (w @ of_gradients.reshape(g, 2, 9)).reshape(g, n, 3, 3)
 
+    def beside(self, of_gradients: Floats) -> Floats:
+        """The same beside each other, shape (n_group, 3, 3 n): sum_i A_i times the change of the gradients by a motion dX."""
+        return self.weighted(of_gradients).swapaxes(1, 2).reshape(len(self.y), 3, -1)
+
+    def torque(self, p: Floats) -> Floats:
+        """tau = sum_k y_k x p_k, shape (n_group, 3)."""
+        return axial(self.y.swapaxes(1, 2) @ p)
+
     def across(self, p: Floats) -> Floats:
-        """e_i x s with s = J^-1 sum_k y_k x p_k, shape (n_group, 2, 3)."""
-        s = np.einsum("gab,gb->ga", self.J_inverse, axial(self.y.swapaxes(1, 2) @ p))
+        """e_i x s with s = J^-1 tau, shape (n_group, 2, 3)."""
+        s = np.einsum("gab,gb->ga", self.J_inverse, self.torque(p))
         return np.einsum("iab,gb->gia", FIRST_AXES, s)
 
+    def in_frame(self, p: Floats, across: Floats) -> Floats:
+        """F_k = p_k + sum_i w_ik e_i x s, shape (n_group, n, 3): the forces whose power is that of p on the rates of y."""
+        return p + self.groups.weights.swapaxes(1, 2) @ across
+
     def force(self, p: Floats, across: Floats) -> Floats:
-        """R (p_k + sum_i w_ik e_i x s), shape (n_group, n, 3): the forces whose power is that of p on the rates of y."""
-        return (p + self.groups.weights.swapaxes(1, 2) @ across) @ self.R.swapaxes(1, 2)
+        """R F_k, shape (n_group, n, 3)."""
+        return self.in_frame(p, across) @ self.R.swapaxes(1, 2)
 
     def components(self, vectors: Floats) -> Floats:
         """Vectors of the groups, positions from the origin, in the frames' axes, shape (n_group, n, 3), from all coordinates."""
