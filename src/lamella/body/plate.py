@@ -158,10 +158,12 @@ class Plate(Body):
         else:
             shell = STRAIN_MODELS[self.strain](self.name, *tables, stiffness, self.n_gauss)
         build.forces.append(shell)
-        if self.damping > 0 and isinstance(shell, ShellBlock):
-            build.forces.append(KelvinVoigtBlock(self.name, *tables, stiffness, self.damping, self.n_gauss))
-        elif self.damping > 0:
-            build.forces.append(small_damping(shell, self.damping))
+        if self.damping > 0:
+            build.forces.append(
+                KelvinVoigtBlock(self.name, *tables, stiffness, self.damping, self.n_gauss)
+                if isinstance(shell, ShellBlock)
+                else small_damping(shell, self.damping)
+            )
 
     def compiled(self, build: Build) -> PlateMesh:
         """The compiled form of this plate in a build."""
