@@ -10,6 +10,7 @@ import pytest
 from shell_patch import SURFACES, dense, derivative, gathered_force, patch, random_rotation, section, turned
 
 from lamella.element import ELEMENTS
+from lamella.element.plate48.framed_shape import framed_shape
 from lamella.element.plate48.shape import gauss_points
 from lamella.errors import ModelError
 
@@ -409,6 +410,70 @@ def test_damping_tangent(mesh, rng, alpha_q, alpha_v):
     numeric = derivative(lambda h: gathered_force(block, q + alpha_q * h * d, v + alpha_v * h * d), 2e-4)
     np.testing.assert_allclose(f, gathered_force(block, q, v), rtol=1e-14)
     np.testing.assert_allclose(K @ d, numeric, atol=1e-9 * np.abs(numeric).max())
+
+
+# --- damping of small-deformation models --------------------------------------------------------------
+
+
+def small_damper(name, mesh, stiffness, time=0.3):
+    shell = moving_block(name, mesh, stiffness)
+    return module(mesh.element, "damping_small").small_damping(shell, time)
+
+
+@pytest.fixture(params=MOVING)
+def moving_damper(request, mesh, rng):
+    return small_damper(request.param, mesh, section(rng))
+
+
+def test_damping_in_a_moving_frame_leaves_rigid_motion_alone(mesh, moving_damper, rng):
+    q = moved(mesh, deformed(mesh, rng, 0.2), rng)
+    spin = np.cross(rng.standard_normal(3), q.reshape(-1, 3))
+    spin[mesh.is_position] += rng.standard_normal(3)
+    spin, typical = spin.reshape(-1), rng.standard_normal(q.shape)
+    assert np.abs(gathered_force(moving_damper, q, spin)).max() < 1e-11 * np.abs(gathered_force(moving_damper, q, typical)).max()
+    assert 0 <= moving_damper.dissipation(0.0, q, spin) < 1e-20 * moving_damper.dissipation(0.0, q, typical)
+
+
+def test_damping_in_a_moving_frame_is_the_rate_of_its_own_strains(mesh, moving_damper, rng):
+    """f = c B^T K0 B v, with B v the rate of y = R^T x - X along the motion, here by differences."""
+    q, v, d = moved(mesh, deformed(mesh, rng, 0.2), rng), *rng.standard_normal((2, len(mesh.rest)))
+    groups = moving_damper.groups
+
+    def rate(direction):
+        return derivative(lambda h: framed_shape(groups, q + h * direction).y, 2e-4).reshape(len(groups.coords), -1)
+
+    power = 0.3 * sum(b @ K @ a for a, b, K in zip(rate(v), rate(d), groups.stiffness, strict=True))
+    assert gathered_force(moving_damper, q, v) @ d == pytest.approx(power, rel=1e-8)
+    assert gathered_force(moving_damper, q, v) @ v == pytest.approx(moving_damper.dissipation(0.0, q, v), rel=1e-12)
+    assert moving_damper.dissipation(0.0, q, v) > 0
+    assert moving_damper.energy(0.0, q) == 0.0
+
+
+@pytest.mark.parametrize(("alpha_q", "alpha_v"), [(1.0, 0.0), (0.0, 1.0), (1.3, 0.7)])
+def test_damping_tangent_in_a_moving_frame(mesh, moving_damper, rng, alpha_q, alpha_v):
+    q, v, d = moved(mesh, deformed(mesh, rng, 0.2), rng), *rng.standard_normal((2, len(mesh.rest)))
+    f, K = dense(moving_damper, q, v, alpha_q, alpha_v)
+    numeric = derivative(lambda h: gathered_force(moving_damper, q + alpha_q * h * d, v + alpha_v * h * d), 2e-4)
+    np.testing.assert_allclose(f, gathered_force(moving_damper, q, v), rtol=1e-12, atol=1e-12 * np.abs(f).max())
+    np.testing.assert_allclose(K @ d, numeric, atol=1e-9 * np.abs(numeric).max())
+    if alpha_q == 0.0:
+        np.testing.assert_allclose(K, K.T, atol=1e-12 * np.abs(K).max())
+
+
+@pytest.mark.parametrize("name", ["linear", *MOVING])
+def test_small_dampers_share_the_matrix_of_the_reference(mesh, rng, name):
+    C, v = section(rng), rng.standard_normal(mesh.rest.shape)
+    K = dense(moving_block("linear", mesh, C), mesh.rest)[1]
+    block = small_damper(name, mesh, C)
+    f, D = dense(block, mesh.rest, v, 0.0, 0.7)
+    np.testing.assert_allclose(D, 0.7 * 0.3 * K, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(f, 0.3 * K @ v, atol=1e-11 * np.abs(f).max())
+    assert block.dissipation(0.0, mesh.rest, v) == pytest.approx(0.3 * v @ K @ v, rel=1e-11)
+    if name == "linear":  # constant, wherever the plate is
+        np.testing.assert_allclose(gathered_force(block, deformed(mesh, rng), v), f, atol=1e-13 * np.abs(f).max())
+
+
+# --- mass damping -------------------------------------------------------------------------------------
 
 
 def test_mass_damping_is_a_constant_matrix(mesh, rng):

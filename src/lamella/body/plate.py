@@ -12,14 +12,15 @@ from lamella.body.mesh import PlateMesh
 from lamella.body.plate_frame import plate_frame, rigid_rows
 from lamella.declaration import declaration
 from lamella.element.base import ELEMENTS
-from lamella.element.plate48.block import STRAIN_MODELS, FloatingShellBlock, ShellInertia
+from lamella.element.plate48.block import STRAIN_MODELS, FloatingShellBlock, ShellBlock, ShellInertia
 from lamella.element.plate48.damping import KelvinVoigtBlock, MassDampingBlock
+from lamella.element.plate48.damping_small import small_damping
 from lamella.element.plate48.frame_groups import FramePlace
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
 from lamella.material.laminate import Laminate
 from lamella.math.rotation import matrix_from_vector
-from lamella.roles import Floats
+from lamella.roles import Floats, Ints
 from lamella.units import Angle, AngularVelocity, Length, Rate, Thickness, Velocity, quantity
 
 if TYPE_CHECKING:
@@ -69,7 +70,8 @@ class Plate(Body):
         frame_at: what the frame of ``floating`` follows: the ``mean`` gradient over the plate, or that over one of its edges (the
             one that is clamped, for example).
         n_gauss: Gauss points in each direction of an element.
-        damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt); rigid rotation is not damped.
+        damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt) with the strains E of the strain model. Rigid
+            rotation is not damped, but with ``linear``.
         mass_damping: mass-proportional damping [1/s]: force -c M v; it damps every motion.
         markers: named points (x, y) [m]; each is recorded.
         element: finite element.
@@ -139,19 +141,29 @@ class Plate(Body):
         arguments = (mesh.coords, mesh.scale, mesh.reference)
         if self.strain == "rigid":
             build.tie(rigid_rows(mesh))
-        elif self.strain == "floating":
-            block = FloatingShellBlock(self.name, *arguments, self.laminate.stiffness, self.n_gauss, self.frame_at)
-            build.forces.append(block)
         else:
-            build.forces.append(STRAIN_MODELS[self.strain](self.name, *arguments, self.laminate.stiffness, self.n_gauss))
+            self._add_shell(build, arguments)
         inertia = ShellInertia(self.name, *arguments, self.laminate.mass_per_area)
         build.inertias.append(inertia)
-        if self.damping > 0 and self.strain != "rigid":
-            build.forces.append(KelvinVoigtBlock(self.name, *arguments, self.laminate.stiffness, self.damping, self.n_gauss))
         if self.mass_damping > 0:
             build.forces.append(MassDampingBlock(self.name, inertia, self.mass_damping))
         for name, at in self.markers.items():
             build.signals.extend(marker_signals(name, f"{self.name}.{name}", mesh.locate(at)))
+
+    def _add_shell(self, build: Build, tables: tuple[Ints, Floats, Floats]) -> None:
+        """Add the elastic block and its structural damping."""
+        stiffness = self.laminate.stiffness
+        if self.strain == "floating":
+            shell = FloatingShellBlock(self.name, *tables, stiffness, self.n_gauss, self.frame_at)
+        else:
+            shell = STRAIN_MODELS[self.strain](self.name, *tables, stiffness, self.n_gauss)
+        build.forces.append(shell)
+        if self.damping > 0:
+            build.forces.append(
+                KelvinVoigtBlock(self.name, *tables, stiffness, self.damping, self.n_gauss)
+                if isinstance(shell, ShellBlock)
+                else small_damping(shell, self.damping)
+            )
 
     def compiled(self, build: Build) -> PlateMesh:
         """The compiled form of this plate in a build."""

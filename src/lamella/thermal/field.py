@@ -10,8 +10,7 @@ from lamella import units
 from lamella.body.plate import Plate
 from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
-from lamella.element.plate48.exact import ShellBlock
-from lamella.element.plate48.heated import HeatedShellBlock, ThermalCouplingBlock
+from lamella.element.plate48.block import HEATED, HeatedElements
 from lamella.errors import DeclarationError
 from lamella.roles import Declaration
 from lamella.thermal.conduction import plate_block
@@ -27,7 +26,8 @@ class TemperatureField(Declaration):
     """The temperature T = T_0 + T_N(x, y, t) + z T_M(x, y, t) of a plate, unknown like its shape.
 
     T_N and T_M are bilinear on the plate's mesh. Heat is conducted in the plane and through the thickness; edges are insulated
-    unless a temperature is prescribed there. Thermal strain alpha (T - T_0) bends and stretches the plate.
+    unless a temperature is prescribed there. Thermal strain alpha (T - T_0) bends and stretches the plate, with every strain
+    model but ``rigid``.
 
     Args:
         name: unique name; the result holds ``<name>.heat`` [J], what is stored above the reference temperature, ``<name>.mean``
@@ -76,11 +76,11 @@ class TemperatureField(Declaration):
             build.signals.extend(_marker_signals(marker, f"{plate.name}.{marker}", mesh, at))
 
     def _warm(self, build: Build, plate: PlateMesh, mesh: TemperatureMesh) -> None:
-        """Put a heated block in the place of the plate's elastic one."""
+        """Let the plate's elastic block follow its temperatures."""
         if plate.strain == "rigid":
             return
-        place = next(k for k, block in enumerate(build.forces) if block.name == plate.name and type(block) is ShellBlock)
-        shell = HeatedShellBlock(
+        place = next(k for k, block in enumerate(build.forces) if block.name == plate.name and type(block) in HEATED)
+        elements = HeatedElements(
             plate.name,
             plate.coords,
             plate.scale,
@@ -90,8 +90,9 @@ class TemperatureField(Declaration):
             mesh.coords,
             plate.laminate.thermal_moments,
         )
-        build.forces[place] = shell
-        build.forces.append(ThermalCouplingBlock(plate.name, shell, plate.coords))
+        elastic = build.forces[place]
+        build.forces[place], added = HEATED[type(elastic)](elastic, elements)
+        build.forces.append(added)
 
 
 def _marker_signals(name: str, where: str, mesh: TemperatureMesh, at: tuple[float, float]) -> list[Signal]:

@@ -31,41 +31,12 @@ idea; frame, force and tangent as above, exact for strains and rotations of any 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from lamella.element.plate48.frame_groups import FrameGroups, FramePlace, body_group, element_groups
 from lamella.element.plate48.frame_kernels import turned_stiffness
-from lamella.errors import LamellaError
-from lamella.math.rotation import polar
+from lamella.element.plate48.framed_shape import FramedShape, cross_matrix, framed_shape
 from lamella.roles import Floats, ForceBlock, Ints
-
-_CROSS = np.array([[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0.0]]])
-"""The matrices [e1 x], [e2 x], [e3 x]."""
-
-
-def cross_matrix(vectors: Floats) -> Floats:
-    """The matrices [v x] with [v x] u = v x u, shape (..., 3, 3), of vectors of shape (..., 3)."""
-    return (vectors @ _CROSS.reshape(3, 9)).reshape(*vectors.shape, 3)
-
-
-def axial(matrix: Floats) -> Floats:
-    """sum a x b, shape (..., 3), from the matrix sum a b^T."""
-    return np.stack([matrix[..., i, j] - matrix[..., j, i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
-
-
-@dataclass(frozen=True)
-class _Deformed:
-    """Groups in a configuration, with the symbols of the module's docstring; components in the frames' axes."""
-
-    R: Floats
-    y: Floats
-    p: Floats
-    U: Floats
-    J_inverse: Floats
-    across: Floats
-    """e_i x s, shape (n_group, 2, 3)."""
 
 
 class FrameShellBlock(ForceBlock):
@@ -96,64 +67,39 @@ class FrameShellBlock(ForceBlock):
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/dx."""
-        self._write_force(self._deformed(q), f)
+        at = framed_shape(self.groups, q)
+        p = self._inner_force(at, q)
+        f[:] = at.force(p, at.across(p)).reshape(-1)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Elastic force and alpha_q d2W/dx2."""
-        at = self._deformed(q)
-        self._write_force(at, f)
-        groups = self.groups
-        n_group, n = groups.coords.shape[:2]
-        turns = at.J_inverse[:, None] @ _CROSS[:2]  # Gam_i
-        w = groups.weights.swapaxes(1, 2)
-        G = (w @ turns.reshape(n_group, 2, 9)).reshape(n_group, n, 3, 3)
-        Y, across = groups.rest + at.y, cross_matrix(at.across)
-        y_cross = cross_matrix(at.y).reshape(n_group, 3 * n, 3)
-        bent = groups.stiffness @ y_cross
-        gradients = np.zeros((n_group, 2, 3))
-        gradients[..., :2] = at.U
-        moment = Y.swapaxes(1, 2) @ at.p
-        S = y_cross.swapaxes(1, 2) @ bent + moment + (across @ cross_matrix(gradients)).sum(axis=1)
+        groups, at = self.groups, framed_shape(self.groups, q)
+        p = self._inner_force(at, q)
+        across = at.across(p)
+        f[:] = at.force(p, across).reshape(-1)
+        bent = groups.stiffness @ at.y_cross
+        moment = (groups.rest + at.y).swapaxes(1, 2) @ p
+        across = cross_matrix(across)
+        S = at.y_cross.swapaxes(1, 2) @ bent + moment + (across @ cross_matrix(at.gradients)).sum(axis=1)
         S -= np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        shared = 0.5 * turns.swapaxes(-1, -2) @ S[:, None] - across
-        H = bent.reshape(n_group, n, 3, 3) - cross_matrix(at.p) + (w @ shared.reshape(n_group, 2, 9)).reshape(n_group, n, 3, 3)
-        turned_stiffness(groups.stiffness, H, G, at.R, alpha_q, k)
+        shared = 0.5 * at.turns.swapaxes(-1, -2) @ S[:, None] - across
+        H = bent.reshape(*p.shape, 3) - cross_matrix(p) + at.weighted(shared)
+        turned_stiffness(groups.stiffness, H, at.weighted(at.turns), at.R, alpha_q, k)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy [J]."""
-        at = self._deformed(q)
-        return 0.5 * float(np.vdot(at.y, at.p))
+        at = framed_shape(self.groups, q)
+        return 0.5 * float(np.vdot(at.y, self._elastic(at)))
 
-    def _deformed(self, q: Floats) -> _Deformed:
-        groups = self.groups
-        x = q[groups.coords]
-        x -= groups.is_position[:, None] * x[:, groups.origin, None]
-        gradients = groups.weights @ x
-        R = _frames(gradients)
-        y = x @ R - groups.rest
-        p = (groups.stiffness @ y.reshape(len(y), -1, 1)).reshape(y.shape)
-        U = (gradients @ R)[..., :2]
-        trace = U[:, 0, 0] + U[:, 1, 1]
-        J_inverse = np.zeros_like(R)
-        # the inverse of tr(U) I - U for a symmetric 2 x 2 matrix is U / det(U)
-        J_inverse[:, :2, :2] = U / (U[:, 0, 0] * U[:, 1, 1] - U[:, 0, 1] * U[:, 1, 0])[:, None, None]
-        J_inverse[:, 2, 2] = 1.0 / trace
-        s = np.einsum("gab,gb->ga", J_inverse, axial(y.swapaxes(1, 2) @ p))
-        return _Deformed(R, y, p, U, J_inverse, np.einsum("iab,gb->gia", _CROSS[:2], s))
+    def _inner_force(self, at: FramedShape, q: Floats) -> Floats:
+        """p = dW/dy, shape (n_group, n, 3)."""
+        return self._elastic(at)
 
-    def _write_force(self, at: _Deformed, f: Floats) -> None:
-        F = at.p + self.groups.weights.swapaxes(1, 2) @ at.across
-        f[:] = (F @ at.R.swapaxes(1, 2)).reshape(-1)
-
-
-def _frames(gradients: Floats) -> Floats:
-    """R of each group from f1, f2, shape (n_group, 2, 3); not a number where there is none."""
-    try:
-        return polar(gradients.swapaxes(1, 2))[0]
-    except (LamellaError, np.linalg.LinAlgError):
-        return np.full((len(gradients), 3, 3), np.nan)
+    def _elastic(self, at: FramedShape) -> Floats:
+        """K0 y, shape (n_group, n, 3)."""
+        return (self.groups.stiffness @ at.y.reshape(len(at.y), -1, 1)).reshape(at.y.shape)
 
 
 class CorotationalShellBlock(FrameShellBlock):

@@ -57,7 +57,7 @@ class HeatedShellBlock(ShellBlock):
         local = np.linalg.solve(stiffness, resultants.T)  # strains for T_N = 1 and T_M = 1, shape (6, 2)
         strain = np.swapaxes(np.linalg.solve(transform, np.broadcast_to(local, (*transform.shape[:-2], 6, 2))), -1, -2)
         section = transform.swapaxes(-1, -2) @ stiffness @ transform * (weights * surface.area)[..., None, None]
-        self._strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ section, float))
+        self.strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ section, float))
         self.points = GaussPoints(self, n_gauss)
         self._index_T = packed_indices(temperatures)
         self._sections = self._tables[2]
@@ -66,7 +66,7 @@ class HeatedShellBlock(ShellBlock):
 
     def _heat(self, q: Floats) -> None:
         n = self.points.n
-        kernels.set_reference(q, self._index_T, self.points.corners, n, self._cold, self._strain, self._work_T, self._sections)
+        kernels.set_reference(q, self._index_T, self.points.corners, n, self._cold, self.strain, self._work_T, self._sections)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/de."""

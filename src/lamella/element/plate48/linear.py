@@ -49,23 +49,29 @@ class LinearShellBlock(Plate48Block):
         self._rows, self._columns = upper_entries()
         super().__init__(name, coords, scale, reference, self._rows, self._columns)
         self._rest = packed(self.rest[:, product_order()])
-        self._matrices, self._deviations = aligned(self.k_rows.size), aligned(self.f_coords.size)
+        self._at_rest = np.zeros_like(self._rest)
+        self.matrices, self._deviations = aligned(self.k_rows.size), aligned(self.f_coords.size)
         own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
         exact = ShellBlock(name, own, scale, reference, stiffness, n_gauss)
         rest = np.ascontiguousarray(reference, float).reshape(-1)
-        exact.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, self._deviations, self._matrices)
+        exact.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, self._deviations, self.matrices)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force K0 (e - e_ref)."""
         deviations(q, self._index, self._scale, self._rest, self._deviations)
-        symmetric_products(self._matrices, self._rows, self._columns, self._deviations, f)
+        symmetric_products(self.matrices, self._rows, self._columns, self._deviations, f)
+
+    def times_stiffness(self, v: Floats, f: Floats) -> None:
+        """K0 v, for velocities."""
+        deviations(v, self._index, self._scale, self._at_rest, self._deviations)
+        symmetric_products(self.matrices, self._rows, self._columns, self._deviations, f)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Elastic force and alpha_q K0."""
         self.force(t, q, v, f)
-        np.multiply(self._matrices, alpha_q, out=k)
+        np.multiply(self.matrices, alpha_q, out=k)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy [J]."""
