@@ -235,6 +235,15 @@ class Equations:
             return self.model.describe(int(self.elimination.independent[unknown]))
         return f"the multiplier of {self.constraints.labels[self.constraints.kept[unknown - self.n_u]]}"
 
+    def free(self, unknown: int) -> str:
+        """An unknown that nothing determines, numbered as in :meth:`describe`, in words with what would determine it."""
+        what = self.describe(unknown)
+        if unknown >= self.n_u:
+            return f"{what} is not determined: it repeats other constraints here"
+        if unknown >= self.n_motion:
+            return f"nothing holds {what}: heat has no way out; add a Film, Radiation or a PrescribedTemperature"
+        return f"nothing holds {what}: a body or mechanism can move freely; add a support"
+
     def state(self, point: Point) -> State:
         """All coordinates, velocities, accelerations and the reactions of the eliminated constraints.
 
