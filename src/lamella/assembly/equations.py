@@ -68,8 +68,9 @@ class Equations:
 
     @property
     def locked(self) -> bool:
-        """Whether nothing can move and nothing is driven."""
-        return self.mobility <= 0 and not (self.elimination.moves or self.constraints.moves)
+        """Whether nothing can move, nothing is driven and no temperature changes."""
+        moves = self.elimination.moves or self.constraints.moves or self.n_u > self.n_motion
+        return self.mobility <= 0 and not moves
 
     def _keep_independent(self) -> None:
         """Leave out rows that repeat others in the initial configuration.
