@@ -199,6 +199,10 @@ class Build:
     n_vectors: int = 0
     fields: list[ScalarField] = field(default_factory=list)
     temperatures: list[Floats] = field(default_factory=list)
+    fully_clamped: list[tuple[str, str]] = field(default_factory=list)
+    """Joints that hold the strain at an edge of a plate at zero, with the name of the plate."""
+    notes: list[str] = field(default_factory=list)
+    """What the user should know about the system, in sentences."""
 
     def vectors(self, owner: str, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
         """Number a body's coordinate vectors.

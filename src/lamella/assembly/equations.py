@@ -40,7 +40,7 @@ class Equations:
         T = self.elimination.T
         self.forces, self.loads = ForceSum(model.forces, model.n_q, T), ForceSum(model.loads, model.n_q, T)
         self.constraints = ConstraintStack(model.constraints)
-        self.notes: list[str] = []
+        self.notes: list[str] = list(model.notes)
         """What the user should know about the equations."""
         self.redundant: list[Redundancy] = []
         """Rows with multipliers that are left out and must be watched."""
