@@ -167,6 +167,8 @@ class ScalarField(Protocol):
     """Number of its first coordinate."""
     magnitude: Floats
     """Typical size of a change of each value, shape (n,)."""
+    uniform: Floats
+    """A change that is the same everywhere, of typical size, shape (n,)."""
 
     def describe(self, coordinate: int) -> str:
         """A value in words, by its coordinate."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import lamella as lm
-from lamella.errors import ConstraintError, ConvergenceError, DeclarationError, UnitError
+from lamella.errors import ConstraintError, ConvergenceError, DeclarationError, ModelError, UnitError
 from lamella.io.model_file import loads
 from lamella.units import to_si
 
@@ -105,10 +105,29 @@ def test_strain_models_that_cannot_be_heated(strain):
         heated(kind="full", strain=strain)[0].compile()
 
 
-def test_steady_state_without_a_way_out_for_heat():
-    system, plate = heated()
+@pytest.mark.parametrize("strain", ["exact", "rigid"])
+def test_steady_state_without_a_way_out_for_heat(strain):
+    system, plate = heated(strain=strain)
     system.add(lm.HeatSource("heater", plate, 10.0))
-    with pytest.raises(ConvergenceError, match=r"nothing holds temperature T_N at node .* of plate 'panel': heat has no way out"):
+    with pytest.raises(
+        ModelError, match=r"nothing determines the temperatures of 'heat', heat has no way out; add a Film, Radiat"
+    ):
+        lm.equilibrium(system)
+
+
+def test_steady_state_with_a_narrow_way_out_for_heat():
+    system, plate = heated(strain="rigid")
+    system.add(lm.HeatSource("heater", plate, 1e-4))
+    system.add(lm.Film("air", plate, 1e-7, 290.0))
+    assert float(lm.equilibrium(system)["heat.mean"]) == pytest.approx(290.0 + 1.0, rel=1e-6)  # 1e-10 of the conductance
+
+
+def test_a_plate_that_radiates_at_absolute_zero():
+    system, plate = heated(field=False)
+    system.add(lm.TemperatureField("heat", plate))  # the reference is 0 K when it is left out
+    system.add(lm.HeatSource("heater", plate, 10.0))
+    system.add(lm.Radiation("space", plate, 0.8))
+    with pytest.raises(ConvergenceError, match=r"temperature T_N at node .* of plate 'panel': heat has no way out here; .* 0 K"):
         lm.equilibrium(system)
 
 

@@ -242,7 +242,7 @@ class Equations:
         if unknown >= self.n_u:
             return f"{what} is not determined: it repeats other constraints here"
         if unknown >= self.n_motion:
-            return f"nothing holds {what}: heat has no way out; add a Film, Radiation or a PrescribedTemperature"
+            return f"nothing holds {what}: heat has no way out here; a plate that radiates must start above 0 K"
         return f"nothing holds {what}: a body or mechanism can move freely; add a support"
 
     def state(self, point: Point) -> State:
