@@ -167,6 +167,8 @@ class ScalarField(Protocol):
     """Number of its first coordinate."""
     magnitude: Floats
     """Typical size of a change of each value, shape (n,)."""
+    uniform: Floats
+    """A change that is the same everywhere, of typical size, shape (n,)."""
 
     def describe(self, coordinate: int) -> str:
         """A value in words, by its coordinate."""
@@ -199,6 +201,10 @@ class Build:
     n_vectors: int = 0
     fields: list[ScalarField] = field(default_factory=list)
     temperatures: list[Floats] = field(default_factory=list)
+    fully_clamped: list[tuple[str, str]] = field(default_factory=list)
+    """Joints that hold the strain at an edge of a plate at zero, with the name of the plate."""
+    notes: list[str] = field(default_factory=list)
+    """What the user should know about the system, in sentences."""
 
     def vectors(self, owner: str, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
         """Number a body's coordinate vectors.

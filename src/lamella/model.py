@@ -41,6 +41,7 @@ class Model:
         rigid_bodies: compiled rigid bodies, for pictures.
         fields: scalar fields, whose values are the coordinates behind those of the vectors.
         redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
+        notes: what the user should know about the system, in sentences.
         description: the system as data for result files, None when it was not given.
     """
 
@@ -63,6 +64,7 @@ class Model:
     rigid_bodies: tuple[RigidFrame, ...] = ()
     fields: tuple[ScalarField, ...] = ()
     redundant: Literal["raise", "drop"] = "raise"
+    notes: tuple[str, ...] = ()
     description: Any = field(default=None, compare=False)
 
     def reset(self) -> None:
@@ -141,6 +143,7 @@ class Model:
             rigid_bodies=tuple(body for body in build.bodies.values() if isinstance(body, RigidFrame)),
             fields=tuple(build.fields),
             redundant=redundant,
+            notes=tuple(build.notes),
             description=description,
         )
 

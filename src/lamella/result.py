@@ -64,7 +64,7 @@ class Start:
         velocity: largest change of the velocity of a position [m/s].
         spin: largest change of the rate of a direction [rad/s].
         where: what changed by these four, in words; empty where the change is rounding.
-        left_out: what was left out as redundant, in words.
+        left_out: what was left out as redundant, and notes on the system such as edges that cannot grow, in words.
     """
 
     displacement: float = 0.0

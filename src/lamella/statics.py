@@ -17,7 +17,7 @@ from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
 from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.solve.arc_length import ArcLength
 from lamella.solve.base import LinearSolver
-from lamella.solve.initial import changes, project_positions, refuse_contradiction
+from lamella.solve.initial import changes, project_positions, refuse_contradiction, refuse_undetermined
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
 from lamella.system import System
@@ -61,7 +61,7 @@ def equilibrium(
 
     Raises:
         ConvergenceError: the load cannot be carried, or a limit point was met; :func:`equilibrium_path` passes those.
-        ModelError: nothing holds the system.
+        ModelError: nothing holds the system, or nothing determines a temperature.
         ConstraintError: constraints contradict each other.
     """
     factors = _checked_steps(steps)
@@ -158,6 +158,7 @@ class _Run:
         linear = linear_solver(self.equations.matrix.pattern, solver)
         self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
         self.point = self.equations.start(t, factor=0.0, at_rest=True)
+        refuse_undetermined(self.equations, self.point)
         self._make_consistent(linear)
         self.axis = "load_factor" if single else "path"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
@@ -53,6 +54,8 @@ def _parse(text: str, unit: str, accepted: str) -> float:
 
     try:
         quantity = _registry().Quantity(text)
+    except pint.OffsetUnitCalculusError:  # '20 degC' is a point on a scale, not twenty times a unit
+        quantity = _on_scale(text, accepted)
     except Exception as error:  # pint raises its own, tokenizer and attribute errors for malformed text
         raise UnitError(f"'{text}' is not a number with a known unit; {accepted}") from error
     if not quantity.unit_items():  # no unit at all; '50 percent' and '1 mm/m' have one, which must be converted
@@ -63,6 +66,16 @@ def _parse(text: str, unit: str, accepted: str) -> float:
         raise UnitError(
             f"'{text}' has the unit {quantity.units:~}, which does not convert to {unit or 'a pure number'}; {accepted}"
         ) from error
+
+
+def _on_scale(text: str, accepted: str) -> Any:
+    """A temperature in degrees Celsius or Fahrenheit."""
+    found = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\W\d]+|°\w+)\s*", text)
+    if found is None:
+        raise UnitError(
+            f"'{text}' mixes a temperature scale with other units; {accepted}, differences of temperature in K or delta_degC"
+        )
+    return _registry().Quantity(float(found[1]), found[2])
 
 
 def _validator(unit: str) -> BeforeValidator:

@@ -108,6 +108,50 @@ def test_full_disk(model: Path, tmp_path: Path, environment: dict[str, str]) -> 
     assert "cannot be written" in one_message(done)
 
 
+HEATED = """\
+lamella: 1
+system:
+  panel:
+    type: plate
+    size: [1 m, 200 mm]
+    mesh: [2, 1]
+    laminate: {ply: {type: isotropic, E: 70 GPa, nu: 0.3, rho: 2700, alpha: 2.3e-5 1/K, k: 200, c: 900}, thickness: 2 mm}
+  root: {type: clamp, on: panel.x-}
+  heat: {type: temperature_field, on: panel, reference: 20 degC}
+  sun: {type: solar_flux, on: panel, direction: [0, 0, -1], absorptivity: 0.8, constant: 1350 W/m^2}
+  sink: {type: radiation, on: panel, emissivity: 0.8}
+analysis: {still: {type: statics}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("system.sun.absorptivity=1.2", "found 1.2; accepted is a value at most 1"),
+        ("system.sun.direction=[0, 0, 0]", "accepted is a vector of some length"),
+        ("system.heat.reference=-300 degC", "found '-300 degC'; accepted is a value at least 0"),
+        ("system.heat.initial_gradient=3 degC/m", "differences of temperature in K or delta_degC"),
+        ("system.sink.sides=[top, top]", "accepted is top, bottom or both, each once"),
+        ("system.heat={type: heat_source, on: panel, power: 1}", "plate 'panel' has no temperature field"),
+        ("system.panel.strain=linear", "has the strain model 'linear'; accepted are exact and rigid"),
+        (
+            "system.sink={type: heat_source, on: panel, power: 1 W/m^3}",
+            "nothing determines the temperatures of 'heat', heat has no way out; add a Film",
+        ),
+    ],
+)
+def test_heat_that_cannot_be(here, tmp_path: Path, override: str, said: str) -> None:
+    (tmp_path / "heated.yaml").write_text(HEATED)
+    assert said in one_message(here("run", "heated.yaml", "--out", "out", "--no-pictures", "--quiet", "--set", override))
+
+
+def test_edge_that_cannot_grow_is_told(here, tmp_path: Path) -> None:
+    (tmp_path / "heated.yaml").write_text(HEATED)
+    done = here("run", "heated.yaml", "--out", "out", "--no-pictures")
+    assert done.returncode == 0, done.stderr
+    assert "'root' clamps an edge of 'panel' with the kind 'full'" in " ".join((done.stdout + done.stderr).split())
+
+
 MECHANISM = """\
 lamella: 1
 system:

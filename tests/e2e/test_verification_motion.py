@@ -20,12 +20,15 @@ CASES = (
     "p2-motion",
     "drive-work",
     "four-bar",
+    "heat-conduction",
     "joint-order",
     "pendulums",
     "plate-pendulum",
     "rigid-array",
     "slider-crank",
     "spinning-top",
+    "sunlight",
+    "thermal-panel",
     "torque-free-spin",
 )
 

@@ -18,6 +18,7 @@ CASES = (
     "strain-models",
     "sze-cantilever",
     "sze-roll-up",
+    "thermal-strain",
     "unsymmetric-laminate",
 )
 
@@ -44,6 +45,14 @@ def test_the_other_sign_of_coupling_is_noticed(monkeypatch):
         "kap_x under pull, strain = linear",
         "eps_x under moment, strain = linear",
     } <= failed
+
+
+def test_the_other_sign_of_thermal_bending_is_noticed(monkeypatch):
+    exact = Laminate.thermal_moments.func
+    monkeypatch.setattr(Laminate, "thermal_moments", property(lambda self: exact(self) * [[1.0], [-1.0], [-1.0]]))
+    (case,) = find_cases(["thermal-strain"])
+    failed = {check.quantity for check in run_case(case).checks if not check.passed}
+    assert {"kap_x for T_M = 1", "z of the tip of the quarter circle", "curvature of the bimetal, nu = 0"} <= failed
 
 
 def test_a_softer_section_is_noticed(monkeypatch):

@@ -9,7 +9,7 @@ from scipy import sparse
 from scipy.sparse import linalg
 
 from lamella.assembly.operator import SumOperator
-from lamella.dofs import LinearRow
+from lamella.dofs import LinearRow, Motion
 from lamella.errors import ConstraintError
 from lamella.roles import Floats, Ints
 
@@ -136,11 +136,11 @@ def _check_repeated(row: LinearRow, sources: dict[int, float], rows: Sequence[Li
     """A row without terms must say 0 = 0, now and (through its motions) at all times."""
     constant = sum(x * rows[k].constant for k, x in sources.items())
     scale = 1.0 + max(abs(x * rows[k].constant) for k, x in sources.items())
-    motions: dict[int, float] = {}
+    motions: dict[Motion, float] = {}  # equal ones are the same: each item makes its own
     for k, x in sources.items():
         motion = rows[k].motion
         if motion is not None:
-            motions[id(motion)] = motions.get(id(motion), 0.0) + x
+            motions[motion] = motions.get(motion, 0.0) + x
     if abs(constant) > 1e-9 * scale or any(abs(x) > NEGLIGIBLE for x in motions.values()):
         others = ", ".join(sorted({rows[k].label for k in sources if rows[k] is not row})[:4])
         raise ConstraintError(

@@ -40,7 +40,7 @@ class Equations:
         T = self.elimination.T
         self.forces, self.loads = ForceSum(model.forces, model.n_q, T), ForceSum(model.loads, model.n_q, T)
         self.constraints = ConstraintStack(model.constraints)
-        self.notes: list[str] = []
+        self.notes: list[str] = list(model.notes)
         """What the user should know about the equations."""
         self.redundant: list[Redundancy] = []
         """Rows with multipliers that are left out and must be watched."""
@@ -68,8 +68,9 @@ class Equations:
 
     @property
     def locked(self) -> bool:
-        """Whether nothing can move and nothing is driven."""
-        return self.mobility <= 0 and not (self.elimination.moves or self.constraints.moves)
+        """Whether nothing can move, nothing is driven and no temperature changes."""
+        moves = self.elimination.moves or self.constraints.moves or self.n_u > self.n_motion
+        return self.mobility <= 0 and not moves
 
     def _keep_independent(self) -> None:
         """Leave out rows that repeat others in the initial configuration.
@@ -234,6 +235,15 @@ class Equations:
         if unknown < self.n_u:
             return self.model.describe(int(self.elimination.independent[unknown]))
         return f"the multiplier of {self.constraints.labels[self.constraints.kept[unknown - self.n_u]]}"
+
+    def free(self, unknown: int) -> str:
+        """An unknown that nothing determines, numbered as in :meth:`describe`, in words with what would determine it."""
+        what = self.describe(unknown)
+        if unknown >= self.n_u:
+            return f"{what} is not determined: it repeats other constraints here"
+        if unknown >= self.n_motion:
+            return f"nothing holds {what}: heat has no way out here; a plate that radiates must start above 0 K"
+        return f"nothing holds {what}: a body or mechanism can move freely; add a support"
 
     def state(self, point: Point) -> State:
         """All coordinates, velocities, accelerations and the reactions of the eliminated constraints.

@@ -104,6 +104,6 @@ class StabilisedEquations:
         """Nothing that Newton's method must wait for: positions hold to rounding, and :meth:`finished` sees to velocities."""
         return 0.0
 
-    def describe(self, unknown: int) -> str:
-        """An unknown in words."""
-        return self.equations.describe(unknown)
+    def free(self, unknown: int) -> str:
+        """An unknown that nothing determines, in words."""
+        return self.equations.free(unknown)

@@ -59,6 +59,8 @@ class FixedJoint(Joint):
             frame = self.a.frame(build, self.axes())
             rows = clamped_rows(build, self.b, frame, self.kind, f"in the frame of {self.a}")
             build.hold(self.name, rows, centre(build, self.b), self.b.body.name, frame, edge=True)
+            if self.kind == "full":
+                build.fully_clamped.append((self.name, self.b.body.name))
         elif isinstance(self.a, Edge) and isinstance(self.b, Edge):
             build.hold(self.name, self._weld(build, self.a, self.b), centre(build, self.b), self.b.body.name, edge=True)
         else:

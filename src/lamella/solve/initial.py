@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from lamella.assembly.equations import Equations
-from lamella.assembly.point import Point, Weights
+from lamella.assembly.point import STATIC, Point, Weights
 from lamella.errors import ConstraintError, ModelError, SingularSystemError
 from lamella.result import Start
 from lamella.roles import Floats
@@ -18,6 +19,9 @@ ROUNDING = 1e-9
 """Changes of the initial state below this share of the size of the body (and per second, or of the fastest) are rounding."""
 CONTRADICTION = 1e-8
 """Violation of a redundant row, as a share of the size of the bodies, beyond which it contradicts the rows it follows from."""
+
+UNDETERMINED = 1e-13
+"""Change of a field's equations, as a share of the terms it is summed of, that is rounding."""
 
 
 def make_consistent(equations: Equations, point: Point, linear: LinearSolver) -> None:
@@ -84,6 +88,29 @@ def changes(equations: Equations, point: Point, q: Floats, v: Floats) -> Start:
             told = np.max(change / size) > ROUNDING * scale
             where.append(model.describe(3 * largest).removeprefix("x of ") if told else "")
     return Start(*numbers, where=(where[0], where[1], where[2], where[3]), left_out=tuple(equations.notes))
+
+
+def refuse_undetermined(equations: Equations, point: Point) -> None:
+    """Refuse statics of fields that no steady state determines: heat has no way out, or none but to other places of the field.
+
+    The pivot of such a field is rounding, which a factorisation may take for a small number.
+
+    Raises:
+        ModelError: a uniform change of a field changes none of its equations.
+    """
+    independent = equations.elimination.independent
+    for field in equations.model.fields:
+        own = np.flatnonzero((independent >= field.first) & (independent < field.first + len(field.uniform)))
+        if len(own) == len(field.uniform):
+            warmer = point.copy()
+            warmer.u[own] += field.uniform  # at 0 K nothing radiates
+            _, _, k, _ = equations.linearise(warmer, STATIC)
+            K = sparse.csr_array(equations.matrix.pattern.matrix(k))[own][:, own]
+            if np.all(np.abs(K @ field.uniform) <= UNDETERMINED * (abs(K) @ field.uniform)):
+                raise ModelError(
+                    f"statics: nothing determines the temperatures of '{field.name}', heat has no way out; add a Film, Radiation "
+                    "or a PrescribedTemperature, or let it warm in a motion"
+                )
 
 
 def refuse_locked(equations: Equations) -> None:

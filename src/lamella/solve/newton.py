@@ -69,7 +69,7 @@ class Residual(Protocol):
     ) -> tuple[Floats, Floats, Floats, Floats]: ...
     def coordinates(self, point: Point) -> Floats: ...
     def violation(self, point: Point) -> float: ...
-    def describe(self, unknown: int) -> str: ...
+    def free(self, unknown: int) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -199,9 +199,7 @@ class NewtonSolver:
 
     def _free(self, error: SingularSystemError) -> str:
         """What is free, in words."""
-        if error.index is None:
-            return str(error)
-        return f"nothing holds {self.equations.describe(error.index)}: a body or mechanism can move freely; add a support"
+        return str(error) if error.index is None else self.equations.free(error.index)
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
         if weights.alpha_a:

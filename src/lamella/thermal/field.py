@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from lamella.body.mesh import PlateMesh
     from lamella.state import State
 
+WARMED = ("exact", "rigid")
+"""Strain models whose plates may have a temperature."""
+
 
 @declaration
 class TemperatureField(Declaration):
@@ -29,6 +32,8 @@ class TemperatureField(Declaration):
     unless a temperature is prescribed there. Thermal strain alpha (T - T_0) bends and stretches the plate, with every strain
     model but ``rigid``.
 
+    An edge that is clamped ``full`` cannot grow in its plane; it is told among the notes of the start.
+
     Args:
         name: unique name; the result holds ``<name>.heat`` [J], what is stored above the reference temperature, ``<name>.mean``
             [K], the mean of T, and at each marker of the plate ``<marker>.T_N`` [K] and ``<marker>.T_M`` [K/m].
@@ -36,6 +41,10 @@ class TemperatureField(Declaration):
         reference: temperature T_0 at which the plate is free of stress [K].
         initial: temperature at the start [K]; the reference when left out.
         initial_gradient: gradient T_M through the thickness at the start [K/m].
+
+    Raises:
+        DeclarationError: the plate has another field, a small-deformation strain model, or a material without conductivity or
+            specific heat.
     """
 
     order: ClassVar[int] = 4  # values of fields are numbered behind all vectors
@@ -49,6 +58,10 @@ class TemperatureField(Declaration):
         """Number the temperatures, warm the plate's elastic block, and add capacity and conduction."""
         plate = self.on.compiled(build)
         item = f"TemperatureField '{self.name}'"
+        if plate.strain not in WARMED:
+            raise DeclarationError(
+                item, f"plate '{plate.name}' has the strain model '{plate.strain}'", f"accepted are {' and '.join(WARMED)}"
+            )
         for field in build.fields:
             if isinstance(field, TemperatureMesh) and field.plate is plate:
                 raise DeclarationError(
@@ -93,6 +106,13 @@ class TemperatureField(Declaration):
         elastic = build.forces[place]
         build.forces[place], added = HEATED[type(elastic)](elastic, elements)
         build.forces.append(added)
+        if plate.laminate.thermal_moments.any():
+            build.notes += [
+                f"'{joint}' clamps an edge of '{plate.name}' with the kind 'full', so it cannot grow where '{self.name}' heats "
+                "it; the kind 'restrained' or 'sliding' lets it grow"
+                for joint, clamped in build.fully_clamped
+                if clamped == plate.name
+            ]
 
 
 def _marker_signals(name: str, where: str, mesh: TemperatureMesh, at: tuple[float, float]) -> list[Signal]:

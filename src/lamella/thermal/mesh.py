@@ -28,6 +28,7 @@ class TemperatureMesh:
     def __init__(self, name: str, plate: PlateMesh, reference: float) -> None:
         self.name, self.plate, self.reference, self.first = name, plate, reference, -1
         self.magnitude: Floats = np.tile([TYPICAL, TYPICAL / plate.laminate.h], plate.n_nodes)
+        self.uniform: Floats = np.tile([TYPICAL, 0.0], plate.n_nodes)
         j, i = np.divmod(np.arange(plate.nx * plate.ny), plate.nx)
         self._corners = np.stack([(j + b) * (plate.nx + 1) + i + a for a, b in NODES], axis=1)
 

@@ -69,7 +69,7 @@ class PrescribedTemperature(Declaration):
         nodes = plate.edge_nodes(self.on.side) if isinstance(self.on, Edge) else np.arange(plate.n_nodes)
 
         def rows(which: int, level: float) -> list[LinearRow]:
-            motion = Scaled(level, self.profile)
+            motion = Scaled(level, self.profile) if level else None
             return [
                 LinearRow(
                     f"{NAMES[which]} of '{self.name}' at node {node} of '{plate.name}'",
@@ -82,6 +82,8 @@ class PrescribedTemperature(Declaration):
             ]
 
         somewhere = VectorRows.fixed(np.zeros(3))
-        build.hold(self.name, rows(0, self.temperature - mesh.reference), somewhere, single=True, quantity=("heat", "W"))
+        of_edge = isinstance(self.on, Edge)
+        held = rows(0, self.temperature - mesh.reference)
+        build.hold(self.name, held, somewhere, single=True, edge=of_edge, quantity=("heat", "W"))
         if self.gradient is not None:
             build.tie(rows(1, self.gradient))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from lamella import units
 from lamella.body.plate import Plate
@@ -26,6 +26,14 @@ from lamella.thermal.mesh import TemperatureMesh, field_of
 
 EDGE_ON = 1e-3
 """Smoothing of the switch between the lit sides: half a thousandth of the full flux falls on both when light comes edge-on."""
+
+if TYPE_CHECKING:
+    Absorptivity = float | tuple[float, float]
+else:
+    Absorptivity = Annotated[
+        tuple[units.Share, units.Share],
+        BeforeValidator(lambda value: (value, value) if isinstance(value, (int, float, str)) else value),
+    ]
 
 
 @declaration
@@ -57,7 +65,7 @@ class SolarFlux(Declaration):
     name: str
     on: Plate
     direction: tuple[units.Number, units.Number, units.Number]
-    absorptivity: units.Share | tuple[units.Share, units.Share]
+    absorptivity: Absorptivity
     constant: Annotated[units.HeatFlux, Field(ge=0)] = 1361.0
     model: Literal["coupled", "uncoupled"] = "coupled"
     turning: tuple[units.AngularVelocity, units.AngularVelocity, units.AngularVelocity] = (0.0, 0.0, 0.0)
@@ -71,29 +79,36 @@ class SolarFlux(Declaration):
         """Add the flux of the plate's elements."""
         plate = self.on.compiled(build)
         mesh = field_of(build, plate, f"SolarFlux '{self.name}'")
-        sides = self.absorptivity if isinstance(self.absorptivity, tuple) else (self.absorptivity, self.absorptivity)
-        s = np.asarray(self.direction, float) / np.linalg.norm(self.direction) * self.constant
-        light = Light(s, np.asarray(self.turning, float), self.profile)
-        block = SolarBlock(self.name, mesh, light, sides, self.on.n_gauss, coupled=self.model == "coupled")
+        assert isinstance(self.absorptivity, tuple)  # one number stands for both sides
+        s = np.asarray(self.direction, float) / np.linalg.norm(self.direction)
+        light = Light(s, self.constant, np.asarray(self.turning, float), self.profile)
+        block = SolarBlock(self.name, mesh, light, self.absorptivity, self.on.n_gauss, coupled=self.model == "coupled")
         build.loads.append(block)
         build.breakpoints.extend(self.profile.breakpoints)
 
         def heat(state: State) -> float:
             return state.factor * block.absorbed(state)
 
+        def view(state: State) -> float:
+            return block.view(state)
+
         build.signals.append(Signal(f"{self.name}.heat", "W", (), heat, f"heat that {plate.name} absorbs"))
+        build.signals.append(Signal(f"{self.name}.view", "1", (), view, f"mean of -s.n0 of {plate.name}"))
 
 
 class Light:
-    """Direction of travel times flux, s S p(t) [W/m^2], turning at a constant angular velocity."""
+    """Parallel light of the flux S p(t) that travels along a unit vector s, which turns at a constant angular velocity."""
 
-    def __init__(self, flux: Floats, turning: Floats, profile: Motion) -> None:
-        self._flux, self._turning, self._profile = flux, turning, profile
+    def __init__(self, direction: Floats, constant: float, turning: Floats, profile: Motion) -> None:
+        self._direction, self._constant, self._turning, self._profile = direction, constant, turning, profile
+
+    def direction(self, t: float) -> Floats:
+        """s at the time t [s], shape (3,)."""
+        return matrix_from_vector(self._turning * t) @ self._direction if self._turning.any() else self._direction
 
     def at(self, t: float) -> Floats:
-        """At the time t [s], shape (3,)."""
-        turned = matrix_from_vector(self._turning * t) @ self._flux if self._turning.any() else self._flux
-        return self._profile.value(t) * turned
+        """Direction times flux, S p(t) s [W/m^2], shape (3,)."""
+        return self._constant * self._profile.value(t) * self.direction(t)
 
 
 class SolarBlock(CrossBlock):
@@ -120,7 +135,8 @@ class SolarBlock(CrossBlock):
         self._points = GaussPoints(elements, n_gauss)
         xi, eta, weights = gauss_points(n_gauss)
         surface = reference_surface(name, derivatives_at_points(Plate48().shape(xi, eta), elements.rest))
-        self._area = packed(surface.area * weights)
+        areas = surface.area * weights
+        self._area, self._whole = packed(areas), float(areas.sum())
         top, bottom = absorptivity
         self._upper, self._lower = top * np.array([1.0, mesh.height("top")]), bottom * np.array([1.0, mesh.height("bottom")])
         self.f_coords = packed_targets(mesh.coords)
@@ -135,16 +151,18 @@ class SolarBlock(CrossBlock):
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Minus the heat absorbed [W]."""
-        p = self._points
-        shape = q if self._coupled else self._reference
         light = self._light.at(t)
         if not light.any():
             f[:], self._absorbed[:] = 0.0, 0.0
             return
+        self._shine(q, light, self._upper, self._lower, f)
+
+    def _shine(self, q: Floats, light: Floats, upper: Floats, lower: Floats, f: Floats) -> None:
+        p = self._points
+        shape = q if self._coupled else self._reference
         kernels.solar_flux(
-            shape, p.index, p.scale, p.table, p.corners, p.n, self._area, light, self._upper, self._lower, EDGE_ON, p.work, f,
-            self._absorbed,
-        )  # fmt: skip
+            shape, p.index, p.scale, p.table, p.corners, p.n, self._area, light, upper, lower, EDGE_ON, p.work, f, self._absorbed
+        )
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
@@ -166,6 +184,12 @@ class SolarBlock(CrossBlock):
         """Heat absorbed in a state [W]."""
         self.force(state.t, state.q, state.v, np.empty(len(self.f_coords)))
         return float(unpacked(self._absorbed, self._n).sum())
+
+    def view(self, state: State) -> float:
+        """Mean of -s.n0 in a state: what the top side would absorb less what the bottom side would, as lit(x) - lit(-x) = x."""
+        one = np.array([1.0, 0.0])
+        self._shine(state.q, self._light.direction(state.t), one, -one, np.empty(len(self.f_coords)))
+        return float(unpacked(self._absorbed, self._n).sum()) / self._whole
 
     def energy(self, t: float, q: Floats) -> float:
         """None: heat is not mechanical energy."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import AfterValidator, BeforeValidator
 
 from lamella import units
 from lamella.body.plate import Plate
@@ -21,6 +22,22 @@ from lamella.thermal.radiation import RadiationBlock
 
 Side = Literal["top", "bottom"]
 BOTH: tuple[Side, Side] = ("top", "bottom")
+
+
+def _distinct(sides: tuple[Side, ...]) -> tuple[Side, ...]:
+    if not sides or len(set(sides)) < len(sides):
+        raise ValueError("accepted is top, bottom or both, each once")
+    return sides
+
+
+if TYPE_CHECKING:
+    Sides = Side | tuple[Side, ...]
+else:
+    Sides = Annotated[
+        tuple[Side, ...],
+        BeforeValidator(lambda value: (value,) if isinstance(value, str) else value, json_schema_input_type=Side | list[Side]),
+        AfterValidator(_distinct),
+    ]
 
 
 def record_heat(build: Build, name: str, mesh: TemperatureMesh, block: ForceBlock, unit_factor: bool = False) -> None:
@@ -115,7 +132,7 @@ class Film(Declaration):
     on: Plate
     coefficient: units.FilmCoefficient
     ambient: units.Temperature
-    sides: tuple[Side, ...] = BOTH
+    sides: Sides = BOTH
 
     def contribute(self, build: Build) -> None:
         """Add the exchange of each side."""
@@ -141,7 +158,7 @@ class Radiation(Declaration):
     on: Plate
     emissivity: units.Share
     space: units.Temperature = 3.0
-    sides: tuple[Side, ...] = BOTH
+    sides: Sides = BOTH
 
     def contribute(self, build: Build) -> None:
         """Add the radiation of each side."""
