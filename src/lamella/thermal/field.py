@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from lamella.body.mesh import PlateMesh
     from lamella.state import State
 
-WARMED = ("exact", "rigid")
-"""Strain models whose plates may have a temperature."""
 
 
 @declaration
@@ -58,10 +56,6 @@ class TemperatureField(Declaration):
         """Number the temperatures, warm the plate's elastic block, and add capacity and conduction."""
         plate = self.on.compiled(build)
         item = f"TemperatureField '{self.name}'"
-        if plate.strain not in WARMED:
-            raise DeclarationError(
-                item, f"plate '{plate.name}' has the strain model '{plate.strain}'", f"accepted are {' and '.join(WARMED)}"
-            )
         for field in build.fields:
             if isinstance(field, TemperatureMesh) and field.plate is plate:
                 raise DeclarationError(

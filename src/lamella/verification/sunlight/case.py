@@ -38,7 +38,7 @@ def turning(absorptivity: float | tuple[float, float], n: int = 32, **options: A
     pin = system.add(
         lm.RevoluteJoint("pin", ground.marker("pivot", 0.0, 0.05, 0.0), plate.marker("root", 0.0, 0.05), axis=(0, 1, 0))
     )
-    system.add(lm.AngleDrive("motor", pin, angle=lm.Integral(TURN)))
+    system.add(lm.AngleDrive("motor", pin, angle=lm.Integral(lm.Constant(TURN))))
     system.add(lm.SolarFlux("sun", plate, (0, 0, -2.0), absorptivity, SUN, **options))
     return _solved(system, 2 * np.pi / TURN, n)
 
@@ -75,8 +75,8 @@ def _eclipse(references: References) -> Iterator[Check]:
     begin, end = np.searchsorted(at, (30.0 - 1e-6, 70.0 - 1e-6))
     dark = slice(begin, end + 1)
     yield references.check("heat in the shadow", _largest(result["sun.heat"].values[dark]))
-    yield references.check("T_N gained in the shadow", mean[end] - mean[begin])
-    yield references.check("T_M after 40 s of shadow, share", gradient[end] / gradient[begin])
+    yield references.check("T_N gained in the shadow", float(mean[end] - mean[begin]))
+    yield references.check("T_M after 40 s of shadow, share", float(gradient[end] / gradient[begin]))
     yield references.check("T_N gained in all", mean[-1] * RHO * C * H / (0.7 * SUN))
 
 
@@ -95,12 +95,13 @@ def _bent(references: References) -> Iterator[Check]:
 
 def _oblique(references: References) -> Iterator[Check]:
     """Light at 65 degrees to the normal of a plate that is placed askew, from below."""
-    axis, normal = np.array([0.3, -0.5, 0.2]), np.array([0.0, 0.0, 1.0])
+    turn = (0.3, -0.5, 0.2)
     system = lm.System()
-    plate = _plate(system, "rigid", tuple(axis))
+    plate = _plate(system, "rigid", turn)
     system.add(lm.Clamp("root", plate.edge("x-")))
-    turned = _rotated(axis, np.array([np.sin(np.radians(65)), 0.0, 0.0]) + np.cos(np.radians(65)) * normal)
-    system.add(lm.SolarFlux("sun", plate, tuple(3.0 * turned), (TOP, BOTTOM), SUN))
+    angle = np.radians(65)
+    x, y, z = (3.0 * _rotated(np.array(turn), np.array([np.sin(angle), 0.0, np.cos(angle)]))).tolist()
+    system.add(lm.SolarFlux("sun", plate, (x, y, z), (TOP, BOTTOM), SUN))
     system.add(lm.Film("air", plate, 10.0, 0.0))
     result = lm.equilibrium(system)
     yield references.check("view of oblique light from below", float(result["sun.view"]))
@@ -108,7 +109,7 @@ def _oblique(references: References) -> Iterator[Check]:
     yield references.check("heat taken by the air", float(result["air.heat"] / result["sun.heat"]))
 
 
-def _plate(system: lm.System, strain: Any, rotation: tuple[float, ...] = (0.0, 0.0, 0.0)) -> lm.Plate:
+def _plate(system: lm.System, strain: Any, rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> lm.Plate:
     """A plate that grows along x only, with its temperatures."""
     data = {"alpha1": ALPHA, "k1": K, "k2": K, "c": C}
     ply = lm.Lamina(E1=1e9, E2=1e9, G12=5e8, nu12=0.0, rho=RHO, **data)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 import lamella as lm
-from lamella.body.sample import PlateSample
 from lamella.result import Result
+from lamella.roles import Floats
 from lamella.verification import Check, References
 
 slow = False
@@ -44,7 +44,7 @@ def _growth(references: References) -> Iterator[Check]:
     panel.marker("tip", 1.0, 0.2)
     pin = system.add(lm.RevoluteJoint("pin", ground.origin, hub.origin, axis=(0.0, 0.6, 0.8)))
     system.add(lm.FixedJoint("mount", hub.marker("face", 0.0, 0.0, 0.0), panel.edge("x-"), kind="sliding"))
-    system.add(lm.AngleDrive("motor", pin, angle=2.0))
+    system.add(lm.AngleDrive("motor", pin, angle=lm.Constant(2.0)))
     _warm(system, panel, HOT)
     result = lm.equilibrium(system, newton=NEWTON, steps=4)
     kept = 0.5 * 70e9 / 0.7 * 2 * (ALPHA * HOT) ** 2 * 5e-3 * 0.4  # of the same strains in stress, E / (1 - nu) (alpha T)^2 h A
@@ -124,6 +124,7 @@ def _warm(system: lm.System, plate: lm.Plate, mean: float, gradient: float = 0.0
     system.add(lm.PrescribedTemperature("oven", plate, 300.0 + mean, gradient=gradient))
 
 
-def _middle(result: Result) -> PlateSample | np.ndarray:
+def _middle(result: Result) -> Floats:
+    """(eps, kap) in the middle of the plate."""
     sample = result.model.plates[0].sample(result.final.q)
     return sample.strains[len(sample.y) // 2, len(sample.x) // 2]
