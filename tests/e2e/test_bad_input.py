@@ -133,7 +133,6 @@ analysis: {still: {type: statics}}
         ("system.heat.initial_gradient=3 degC/m", "differences of temperature in K or delta_degC"),
         ("system.sink.sides=[top, top]", "accepted is top, bottom or both, each once"),
         ("system.heat={type: heat_source, on: panel, power: 1}", "plate 'panel' has no temperature field"),
-        ("system.panel.strain=linear", "has the strain model 'linear'; accepted are exact and rigid"),
         (
             "system.sink={type: heat_source, on: panel, power: 1 W/m^3}",
             "nothing determines the temperatures of 'heat', heat has no way out; add a Film",

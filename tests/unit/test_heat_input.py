@@ -99,12 +99,6 @@ def test_two_fields_on_one_plate():
         system.compile()
 
 
-@pytest.mark.parametrize("strain", ["linear", "floating", "corotational"])
-def test_strain_models_that_cannot_be_heated(strain):
-    with pytest.raises(DeclarationError, match=f"'heat': plate 'panel' has the strain model '{strain}'; accepted are exact and"):
-        heated(kind="full", strain=strain)[0].compile()
-
-
 @pytest.mark.parametrize("strain", ["exact", "rigid"])
 def test_steady_state_without_a_way_out_for_heat(strain):
     system, plate = heated(strain=strain)

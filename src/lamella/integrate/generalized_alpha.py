@@ -13,6 +13,7 @@ from lamella.declaration import declaration
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.integrate.first_order import FirstOrderRule
 from lamella.integrate.stabilised import StabilisedEquations
+from lamella.integrate.staggered import StaggeredNewton
 from lamella.result import Cause, Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
@@ -51,7 +52,7 @@ class GeneralizedAlpha(Integrator):
         q' = q + dt v + dt^2 ((1/2 - beta) a + beta a') + B^T eta
 
     Temperatures follow their rates by the first-order generalised-alpha method (:class:`~.first_order.FirstOrderRule`); one
-    Newton iteration solves for positions, temperatures and multipliers.
+    Newton iteration solves for positions, temperatures and multipliers, or two one after the other (``coupling``).
 
     Args:
         dt: step [s]; the first one under error control.
@@ -65,6 +66,13 @@ class GeneralizedAlpha(Integrator):
             nothing.
         heat: rule for temperatures: ``generalized_alpha`` with the same ``rho_inf``, or ``central_difference``, the trapezoidal
             rule, which has no numerical damping.
+        coupling: ``monolithic``, one iteration for motion and temperatures, or ``staggered``: in each step first the temperatures
+            with the predicted motion, then the motion with the new temperatures, one pass each. The predicted motion is off by
+            dt^2, which keeps the second order; the matrices are smaller, and symmetric where only the coupling is not. Nothing
+            is iterated between the two, so that a strong coupling may need shorter steps. A panel of 7.5 m that turns in the sun
+            (tip 0.12 m off the straight line, coupled flux, dt 0.1, 0.05, 0.025 s): the two differ by 1.1e-4, 2.9e-5, 7.7e-6 m,
+            where the steps themselves leave 7e-3, 2.4e-3, 1.2e-3 m; with 10 x 1 elements staggered steps take 0.8 to 1.0 of the
+            time, with 20 x 4 half.
     """
 
     dt: Step
@@ -75,6 +83,7 @@ class GeneralizedAlpha(Integrator):
     newton: Newton = DYNAMIC_NEWTON
     stabilised: bool = False
     heat: Literal["generalized_alpha", "central_difference"] = "generalized_alpha"
+    coupling: Literal["monolithic", "staggered"] = "monolithic"
     type: Literal["generalized_alpha"] = "generalized_alpha"
 
     order = 2
@@ -97,10 +106,15 @@ class GeneralizedAlphaStepper(Stepper):
         self.alpha_f = options.rho_inf / (options.rho_inf + 1)
         self.gamma = 0.5 + self.alpha_f - self.alpha_m
         self.beta = 0.25 * (self.gamma + 0.5) ** 2
-        self.linear = linear_solver(equations.matrix.pattern, solver)
         self.stabilised = StabilisedEquations(equations) if options.stabilised and equations.n_lam else None
-        self.newton = NewtonSolver(self.stabilised or equations, self.linear, options.newton, statistics)
         self.n = n = equations.n_motion
+        form = self.stabilised or equations
+        if options.coupling == "staggered" and 0 < n < equations.n_u:
+            self.newton = StaggeredNewton(form, equations, options.newton, statistics, solver)
+            self.linear = self.newton.linear
+        else:
+            self.linear = linear_solver(equations.matrix.pattern, solver)
+            self.newton = NewtonSolver(form, self.linear, options.newton, statistics)
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         chosen = equations.model.is_position[equations.elimination.independent[:n] // 3]
         self.positions = chosen if chosen.any() else ~chosen  # errors are displacements; slopes would weigh short waves too much
@@ -174,9 +188,9 @@ class GeneralizedAlphaStepper(Stepper):
         """
         local = (self.beta - 1.0 / 6.0) * dt**2 * change
         inertia = weights.alpha_a * self.equations.inertia_force(local)
-        filtered, _ = self.linear.solve(inertia, np.zeros(self.equations.n_lam))
+        filtered, _ = self.linear.solve(inertia[: self.linear.pattern.n], np.zeros(self.equations.n_lam))
         self.statistics.solves += 1
-        moved = (filtered / self.equations.magnitude)[: self.n][self.positions]
+        moved = (filtered[: self.n] / self.equations.magnitude[: self.n])[self.positions]
         return float(np.sqrt(np.mean(moved**2))) / (self.options.tolerance or 1.0)
 
     def accept(self) -> Point:

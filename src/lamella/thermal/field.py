@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from lamella.state import State
 
 
-
 @declaration
 class TemperatureField(Declaration):
     """The temperature T = T_0 + T_N(x, y, t) + z T_M(x, y, t) of a plate, unknown like its shape.
