@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 import lamella as lm
 from lamella.body.mesh import PlateMesh
 from lamella.body.plate import Plate
+from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.system import System
 from lamella.thermal.prescribed import PrescribedTemperature
@@ -90,8 +91,9 @@ class FirstMode:
         polynomial = self.polynomial(zeta)
         roots = np.roots(polynomial)
         shares = -(self.omega**2) * self.push / (roots * np.polyval(np.polyder(polynomial), roots))
+        t = np.maximum(t, 0.0)
         first = -self.push / (1 + self.gain) + np.real(np.exp(np.outer(t, roots)) @ shares)
-        return np.where(t > 0, first - (self.rest - self.push) * -np.expm1(-np.maximum(t, 0) / self.tau), 0.0)
+        return first + (self.rest - self.push) * np.expm1(-t / self.tau)
 
     def critical_damping(self) -> float:
         """Damping ratio at which vibration neither grows nor decays.
@@ -120,9 +122,8 @@ class FirstMode:
         return complex(roots[np.argmin(np.abs(roots - self.pole(zeta)))])
 
     def critical_damping_of_four(self) -> float:
-        """As :meth:`critical_damping`, by the root of four modes."""
-        limit = 2 * self.critical_damping()
-        return float(brentq(lambda zeta: self.pole_of_four(zeta).real, 0.0, limit)) if limit > 0 else limit
+        """As :meth:`critical_damping`, by the root of four modes, for light that drives (gain > 0)."""
+        return root_scalar(lambda zeta: self.pole_of_four(zeta).real, bracket=(0.0, 2 * self.critical_damping())).root
 
 
 def beam_modes() -> tuple[Floats, Floats]:
@@ -131,7 +132,7 @@ def beam_modes() -> tuple[Floats, Floats]:
     s = (np.cosh(b) + np.cos(b)) / (np.sinh(b) + np.sin(b))
     slope = b * (np.sinh(b * x) + np.sin(b * x) - s * (np.cosh(b * x) - np.cos(b * x)))
     curvature = b**2 * (np.cosh(b * x) + np.cos(b * x) - s * (np.sinh(b * x) + np.sin(b * x)))
-    products = np.trapezoid(curvature[:, None] * slope, x) / np.trapezoid(curvature**2, x)[:, None]
+    products = np.trapezoid(curvature[:, None] * slope, x) / np.asarray(np.trapezoid(curvature**2, x))[:, None]
     return (BEAM_ROOTS / BEAM_ROOTS[0]) ** 2, products / products[0, 0]
 
 
@@ -141,10 +142,19 @@ def first_mode(system: System) -> FirstMode:
     Args:
         system: a plate with the marker ``tip``, in the plane z = 0 and clamped at x = 0, in sunlight which begins after t = 0
             and which both sides absorb alike. It is given a temperature, so another one is needed to simulate.
+
+    Raises:
+        DeclarationError: the light does not come from the side of the root, has a part along y, or comes exactly edge-on.
     """
     plate = next(item for item in system.declarations if isinstance(item, Plate))
     sun = next(item for item in system.declarations if isinstance(item, SolarFlux))
     section, s = plate.laminate, np.array(sun.direction) / np.linalg.norm(sun.direction)
+    if s[0] <= 0.0 or s[1] != 0.0 or s[2] == 0.0:
+        raise DeclarationError(
+            f"SolarFlux '{sun.name}'",
+            f"direction = {sun.direction}",
+            "accepted is light (x, 0, z) with x > 0, from the side of the root, and z not zero",
+        )
     height, through = float(section.z[-1] - section.z[0]), section.conductivity_through
     steady = float(np.max(sun.absorptivity)) * sun.constant * height / (2 * through)
     moment = float(section.thermal_moments[2, 0])
