@@ -50,7 +50,14 @@ def static_height(name: str, *overrides: str) -> float:
 
 def test_the_examples_are_listed_with_their_titles() -> None:
     known = examples()
-    assert {"cantilever-plate", "corner-pinned-plate", "solar-array", "deployment-springs", "thermal-flutter"} <= set(known)
+    assert {
+        "cantilever-plate",
+        "corner-pinned-plate",
+        "solar-array",
+        "deployment-springs",
+        "thermal-flutter",
+        "satellite-thermal",
+    } <= set(known)
     for example in known.values():
         assert read_model(example.model).title == example.title
         assert (example.folder / "README.md").is_file()
@@ -147,6 +154,20 @@ def test_an_array_begins_to_unfold(here: Command, tmp_path: Path, name: str, ana
         assert result["hinge1.angle"].values[-1] == pytest.approx(math.radians(160), abs=0.02)
 
 
+def test_a_satellite_begins_to_turn_in_the_sun(here: Command, tmp_path: Path) -> None:
+    """The model for two seconds, its light as at the start: the panel has the gradient of the light, the hub begins to turn."""
+    short = ("--set", "analysis.flight.t_end=2 s", "--set", "system.sun.model=uncoupled")
+    done = here("run", str(examples()["satellite-thermal"].model), "--out", "out", "--quiet", "--no-pictures", *short, *BRIEF)
+    assert done.returncode == 0, done.stderr
+    result = read_result(tmp_path / "out" / "run.h5")
+    assert result.outcome.completed
+    steady = 0.79 * 1350 * math.cos(math.radians(65)) / (2 * 1.5)  # alpha S Gamma / (2 k); ten time constants are over
+    assert result["P.T_M"].values[-1] == pytest.approx(steady, rel=1e-3)
+    stored = 0.79 * 1350 * math.cos(math.radians(65)) * 2.0 / (36.8 * 921 * 0.0103)  # nothing cools the panel
+    assert result["P.T_N"].values[-1] == pytest.approx(stored, rel=1e-3)
+    assert result["bearing.angle"].values[-1] > 0.0
+
+
 @pytest.mark.slow
 def test_cantilever_plate_whole(run, tmp_path: Path) -> None:
     findings = run("cantilever-plate")
@@ -221,3 +242,22 @@ def test_thermal_flutter_whole(run, tmp_path: Path) -> None:
     assert growth["growth, 10 mm, 0.5 % [1/s]"] == pytest.approx(0.01653 * 0.9962, rel=0.015)
     assert side["growth, light from the side of the tip [1/s]"] == pytest.approx(-0.0303, rel=0.015)  # four modes
     assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} == {"tip", "stability", "snap"}
+
+
+@pytest.mark.slow
+def test_satellite_thermal_whole(run, tmp_path: Path) -> None:
+    findings = run("satellite-thermal")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 6
+    angle, gradient, _, nonlinear, growth, _ = (finding["numbers"] for finding in findings)
+    # Another code with the same element, 10x1, steps of 0.1 s.
+    assert angle["angle of the hub at the end, coupled [rad]"] == pytest.approx(12.532, abs=0.002)
+    assert gradient["coupled, coasting: largest T_M [K/m]"] == pytest.approx(355.5, rel=0.001)
+    assert gradient["uncoupled, from 5 s: T_M, mean [K/m]"] == pytest.approx(150.24, rel=1e-4)
+    assert growth["T_N at the end, coupled [K]"] == pytest.approx(436.9, rel=0.001)
+    assert nonlinear["at rest: mean deflection of P, coupled [m]"] == pytest.approx(-0.1060, rel=0.01)
+    assert nonlinear["at rest: mean deflection of P, sliding [m]"] == pytest.approx(-0.0939, rel=0.01)
+    assert nonlinear["at rest: mean deflection of P, linear [m]"] == pytest.approx(
+        -0.0968, rel=0.05
+    )  # there linear about the hub
+    assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} >= {"hub-angle", "gradient", "across", "satellite"}
