@@ -64,9 +64,9 @@ def test_the_parts_are_those_of_the_whole_matrix(damping):
         np.testing.assert_array_equal(
             part.pattern.jacobian(j_own).toarray(), J[:, first:last] if multipliers else J[:0, first:last]
         )
-        assert part.describe(0) == whole.describe(first)
+        assert part.free(0) == whole.free(first)
         if multipliers:
-            assert part.describe(last) == whole.describe(whole.n_u)
+            assert part.free(last) == whole.free(whole.n_u)
         changed = own.u + 1.0
         found = part.completed(type(own)(own.t, changed, own.ud, own.udd, own.lam))
         np.testing.assert_array_equal(found.u[first:last], changed)
