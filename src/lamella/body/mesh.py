@@ -9,6 +9,7 @@ import numpy as np
 from lamella.body.sample import PlateSample
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.recovery import ShellRecovery
+from lamella.element.plate48.section import Section
 from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
@@ -40,6 +41,7 @@ class PlateMesh:
         self, name: str, size: tuple[float, float], counts: tuple[int, int], element: ElementSpec, laminate: Laminate, strain: str
     ) -> None:
         self.name, self.size, self.element, self.laminate, self.strain = name, size, element, laminate, strain
+        self.section = Section(laminate.stiffness)
         self.temperature: TemperatureSource | None = None
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny

@@ -16,6 +16,7 @@ from lamella.element.plate48.block import STRAIN_MODELS, FloatingShellBlock, She
 from lamella.element.plate48.damping import KelvinVoigtBlock, MassDampingBlock
 from lamella.element.plate48.damping_small import small_damping
 from lamella.element.plate48.frame_groups import FramePlace
+from lamella.element.plate48.section import Section
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
 from lamella.material.laminate import Laminate
@@ -142,7 +143,7 @@ class Plate(Body):
         if self.strain == "rigid":
             build.tie(rigid_rows(mesh))
         else:
-            self._add_shell(build, arguments)
+            self._add_shell(build, mesh.section, arguments)
         inertia = ShellInertia(self.name, *arguments, self.laminate.mass_per_area)
         build.inertias.append(inertia)
         if self.mass_damping > 0:
@@ -150,17 +151,16 @@ class Plate(Body):
         for name, at in self.markers.items():
             build.signals.extend(marker_signals(name, f"{self.name}.{name}", mesh.locate(at)))
 
-    def _add_shell(self, build: Build, tables: tuple[Ints, Floats, Floats]) -> None:
+    def _add_shell(self, build: Build, section: Section, tables: tuple[Ints, Floats, Floats]) -> None:
         """Add the elastic block and its structural damping."""
-        stiffness = self.laminate.stiffness
         if self.strain == "floating":
-            shell = FloatingShellBlock(self.name, *tables, stiffness, self.n_gauss, self.frame_at)
+            shell = FloatingShellBlock(self.name, *tables, section, self.n_gauss, self.frame_at)
         else:
-            shell = STRAIN_MODELS[self.strain](self.name, *tables, stiffness, self.n_gauss)
+            shell = STRAIN_MODELS[self.strain](self.name, *tables, section, self.n_gauss)
         build.forces.append(shell)
         if self.damping > 0:
             build.forces.append(
-                KelvinVoigtBlock(self.name, *tables, stiffness, self.damping, self.n_gauss)
+                KelvinVoigtBlock(self.name, *tables, section, self.damping, self.n_gauss)
                 if isinstance(shell, ShellBlock)
                 else small_damping(shell, self.damping)
             )

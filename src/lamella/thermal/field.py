@@ -91,7 +91,7 @@ class TemperatureField(Declaration):
             plate.coords,
             plate.scale,
             plate.reference,
-            plate.laminate.stiffness,
+            plate.section,
             self.on.n_gauss,
             mesh.coords,
             plate.laminate.thermal_moments,

@@ -130,7 +130,7 @@ class SolarBlock(CrossBlock):
     ) -> None:
         plate = mesh.plate
         self._light, self._coupled = light, coupled
-        elements = ShellBlock(name, plate.coords, plate.scale, plate.reference, plate.laminate.stiffness, n_gauss)
+        elements = ShellBlock(name, plate.coords, plate.scale, plate.reference, plate.section, n_gauss)
         super().__init__(name, elements, plate.coords, mesh.coords)
         self._points = GaussPoints(elements, n_gauss)
         xi, eta, weights = gauss_points(n_gauss)

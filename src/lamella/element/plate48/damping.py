@@ -9,6 +9,7 @@ from lamella.element.packing import aligned
 from lamella.element.plate48 import damping_kernels as kernels
 from lamella.element.plate48.entries import all_entries
 from lamella.element.plate48.layout import GaussTables, Plate48Block
+from lamella.element.plate48.section import Section
 from lamella.lane import WIDTH
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
 
@@ -23,7 +24,7 @@ class KelvinVoigtBlock(Plate48Block):
         coords: global coordinates of each element in element order, shape (n_element, 48).
         scale: factors from global to element coordinates, shape (n_element, 48).
         reference: unscaled stress-free coordinates, shape (n_element, 48).
-        stiffness: section stiffness [[A, -B], [-B, D]] as in :class:`ShellBlock`.
+        section: the section as in :class:`ShellBlock`.
         time: retardation time c [s].
         n_gauss: Gauss points in each direction.
 
@@ -35,10 +36,10 @@ class KelvinVoigtBlock(Plate48Block):
     depends_on_velocity = True
 
     def __init__(
-        self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, time: float, n_gauss: int = 4
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, time: float, n_gauss: int = 4
     ) -> None:
         super().__init__(name, coords, scale, reference, *all_entries())
-        tables = GaussTables(self, time * np.asarray(stiffness, float), n_gauss)
+        tables = GaussTables(self, Section.of(section).times(time), n_gauss)
         self._tables = (self._index, self._scale, tables.sections, tables.table, tables.n)
         self._work, self._power = aligned(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         self._unused = np.empty(len(self.f_coords))

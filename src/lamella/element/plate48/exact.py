@@ -6,6 +6,7 @@ from lamella.element.packing import aligned
 from lamella.element.plate48 import kernels
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.layout import GaussTables, Plate48Block
+from lamella.element.plate48.section import Section
 from lamella.lane import WIDTH
 from lamella.roles import Floats, Ints
 
@@ -21,17 +22,18 @@ class ShellBlock(Plate48Block):
         coords: global coordinates of each element in element order, shape (n_element, 48).
         scale: factors from global to element coordinates, shape (n_element, 48).
         reference: unscaled stress-free coordinates, flat or curved, shape (n_element, 48).
-        stiffness: [[A, -B], [-B, D]] in the local orthonormal frame whose first axis is the reference r_x, [N/m, N, N m],
-            shape (6, 6) or (n_element, 6, 6).
+        section: the section, or its stiffness [[A, -B], [-B, D]] alone, shape (6, 6) or (n_element, 6, 6).
         n_gauss: Gauss points in each direction; 4 is nearly exact, 3 faster and softer.
 
     Raises:
         ModelError: shapes do not agree, or the reference surface has no area.
     """
 
-    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int = 4) -> None:
+    def __init__(
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int = 4
+    ) -> None:
         super().__init__(name, coords, scale, reference, *upper_entries())
-        tables = GaussTables(self, stiffness, n_gauss)
+        tables = GaussTables(self, section, n_gauss)
         self._tables = (self._index, self._scale, tables.sections, tables.table, tables.n)
         self._work, self._energies = aligned(kernels.work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
 

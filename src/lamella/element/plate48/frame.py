@@ -36,6 +36,7 @@ import numpy as np
 from lamella.element.plate48.frame_groups import FrameGroups, FramePlace, body_group, element_groups
 from lamella.element.plate48.frame_kernels import turned_stiffness
 from lamella.element.plate48.framed_shape import FramedShape, cross_matrix, framed_shape
+from lamella.element.plate48.section import Section
 from lamella.roles import Floats, ForceBlock, Ints
 
 
@@ -112,8 +113,10 @@ class CorotationalShellBlock(FrameShellBlock):
         ModelError: as :class:`ShellBlock`, or the mean gradient of an element's reference is singular.
     """
 
-    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int = 4) -> None:
-        super().__init__(name, element_groups(name, coords, scale, reference, stiffness, n_gauss))
+    def __init__(
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int = 4
+    ) -> None:
+        super().__init__(name, element_groups(name, coords, scale, reference, section, n_gauss))
 
 
 class FloatingShellBlock(FrameShellBlock):
@@ -138,8 +141,8 @@ class FloatingShellBlock(FrameShellBlock):
         coords: Ints,
         scale: Floats,
         reference: Floats,
-        stiffness: Floats,
+        section: Section | Floats,
         n_gauss: int = 4,
         frame_at: FramePlace = "mean",
     ) -> None:
-        super().__init__(name, body_group(name, coords, scale, reference, stiffness, n_gauss, frame_at))
+        super().__init__(name, body_group(name, coords, scale, reference, section, n_gauss, frame_at))

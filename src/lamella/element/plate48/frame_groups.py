@@ -10,6 +10,7 @@ import numpy as np
 from lamella.element.packing import aligned, unpacked
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, gauss_points, product_order
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import LamellaError, ModelError
@@ -42,27 +43,29 @@ class FrameGroups:
     stiffness: Floats
 
 
-def element_groups(name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int) -> FrameGroups:
+def element_groups(
+    name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int
+) -> FrameGroups:
     """Each element a group. The arguments are those of :class:`ShellBlock`.
 
     Raises:
         ModelError: as :class:`ShellBlock`, or the mean gradient of an element's reference is singular.
     """
-    matrices = _element_stiffness(name, coords, scale, reference, stiffness, n_gauss)
+    matrices = _element_stiffness(name, coords, scale, reference, section, n_gauss)
     integrals, area = _gradient_integrals(name, scale, reference)
     coords = np.asarray(coords, np.int64).reshape(len(coords), -1, 3)
     return _in_frames(name, coords, _is_position(1), integrals / area[:, None, None], reference, matrices)
 
 
 def body_group(
-    name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int, frame_at: FramePlace
+    name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int, frame_at: FramePlace
 ) -> FrameGroups:
     """All elements one group. The arguments are those of :class:`FloatingShellBlock`.
 
     Raises:
         ModelError: as :class:`FloatingShellBlock`.
     """
-    matrices = _element_stiffness(name, coords, scale, reference, stiffness, n_gauss)
+    matrices = _element_stiffness(name, coords, scale, reference, section, n_gauss)
     if frame_at == "mean":
         integrals, measure = _gradient_integrals(name, scale, reference)
     else:
@@ -103,10 +106,12 @@ def _in_frames(name: str, coords: Ints, is_position: Bools, weights: Floats, ref
     return FrameGroups(coords, is_position, origin, weights, rest @ R, np.ascontiguousarray(turned).reshape(g, 3 * n, 3 * n))
 
 
-def _element_stiffness(name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int) -> Floats:
+def _element_stiffness(
+    name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int
+) -> Floats:
     """Exact tangent of each element at the reference in its unscaled coordinates, in element order, shape (n_element, 48, 48)."""
     own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
-    exact = ShellBlock(name, own, scale, reference, stiffness, n_gauss)
+    exact = ShellBlock(name, own, scale, reference, section, n_gauss)
     f, k = aligned(exact.f_coords.size), aligned(exact.k_rows.size)
     rest = np.ascontiguousarray(reference, float).reshape(-1)
     exact.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, f, k)

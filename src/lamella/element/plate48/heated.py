@@ -9,6 +9,7 @@ from lamella.element.plate48 import heat_kernels as kernels
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.interpolation import N_SECTION
 from lamella.element.plate48.layout import Plate48Block
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, gauss_points, product_order
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface, strain_transform_6
 from lamella.lane import WIDTH
@@ -42,22 +43,22 @@ class HeatedShellBlock(ShellBlock):
         coords: Ints,
         scale: Floats,
         reference: Floats,
-        stiffness: Floats,
+        section: Section | Floats,
         n_gauss: int,
         temperatures: Ints,
         expansion: Floats,
     ) -> None:
-        super().__init__(name, coords, scale, reference, stiffness, n_gauss)
-        self.temperatures = temperatures
+        super().__init__(name, coords, scale, reference, section, n_gauss)
+        self.temperatures, section = temperatures, Section.of(section)
         a0, a1, a2 = np.asarray(expansion, float)
         resultants = np.array([np.concatenate([a0, -a1]), np.concatenate([a1, -a2])])
         xi, eta, weights = gauss_points(n_gauss)
-        surface = reference_surface(name, derivatives_at_points(Plate48().shape(xi, eta), self.rest))
+        surface = reference_surface(name, derivatives_at_points(Plate48().shape(xi, eta), self.rest), section.direction)
         transform = strain_transform_6(surface.transform)
-        local = np.linalg.solve(stiffness, resultants.T)  # strains for T_N = 1 and T_M = 1, shape (6, 2)
+        local = np.linalg.solve(section.by_element, resultants.T)  # strains for T_N = 1 and T_M = 1, shape (..., 6, 2)
         strain = np.swapaxes(np.linalg.solve(transform, np.broadcast_to(local, (*transform.shape[:-2], 6, 2))), -1, -2)
-        section = transform.swapaxes(-1, -2) @ stiffness @ transform * (weights * surface.area)[..., None, None]
-        self.strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ section, float))
+        stiffness = transform.swapaxes(-1, -2) @ section.by_element @ transform * (weights * surface.area)[..., None, None]
+        self.strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ stiffness, float))
         self.points = GaussPoints(self, n_gauss)
         self._index_T = packed_indices(temperatures)
         self._sections = self._tables[2]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface, strain_transform_6
 from lamella.errors import ModelError
@@ -48,16 +49,16 @@ class GaussTables:
 
     Args:
         block: the elements.
-        stiffness: section stiffness for (eps, kap), [[A, -B], [-B, D]], in the local orthonormal frame whose first axis is the
-            reference r_x, shape (6, 6) or (n_element, 6, 6).
+        section: the section, or its stiffness alone, shape (6, 6) or (n_element, 6, 6).
         n_gauss: points in each direction.
 
     Raises:
         ModelError: the stiffness has a wrong shape or is not symmetric, or the reference surface has no area.
     """
 
-    def __init__(self, block: Plate48Block, stiffness: Floats, n_gauss: int) -> None:
-        stiffness = np.asarray(stiffness, float)
+    def __init__(self, block: Plate48Block, section: Section | Floats, n_gauss: int) -> None:
+        section = Section.of(section)
+        stiffness = section.stiffness
         if stiffness.shape not in ((6, 6), (block.n_element, 6, 6)):
             raise ModelError(
                 f"{block.name}: stiffness has shape {stiffness.shape}; accepted is (6, 6) or ({block.n_element}, 6, 6)"
@@ -67,11 +68,12 @@ class GaussTables:
         if not 2 <= n_gauss <= 10:
             raise ModelError(f"{block.name}: n_gauss = {n_gauss}; accepted is 2 to 10 Gauss points in each direction")
         xi, eta, weights = gauss_points(n_gauss)
-        surface = reference_surface(block.name, derivatives_at_points(Plate48().shape(xi, eta), block.rest))
+        surface = reference_surface(block.name, derivatives_at_points(Plate48().shape(xi, eta), block.rest), section.direction)
         transform = strain_transform_6(surface.transform)
-        section = stiffness if stiffness.ndim == 2 else stiffness[:, None]
-        at_points = transform.swapaxes(-1, -2) @ section @ transform * (weights * surface.area)[..., None, None]
+        at_points = transform.swapaxes(-1, -2) @ section.by_element @ transform * (weights * surface.area)[..., None, None]
         upper = np.triu_indices(6)
         halved = surface.first * np.array([0.5, 0.5, 1.0])
+        if section.prestrain is not None:  # the strains of the kernels are counted from a reference that is shorter by it
+            halved = halved - np.linalg.solve(surface.transform, section.prestrain[:, None])[..., 0]
         self.sections = packed(np.concatenate([at_points[..., upper[0], upper[1]], halved, surface.second], axis=-1))
         self.table, self.n = hermite_table(n_gauss), n_gauss

@@ -9,6 +9,7 @@ from lamella.element.packing import aligned, packed, unpacked
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.layout import Plate48Block
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import product_order
 from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats, Ints
@@ -45,14 +46,16 @@ class LinearShellBlock(Plate48Block):
     small-deformation model in a fixed frame. The arguments are those of :class:`ShellBlock`.
     """
 
-    def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, stiffness: Floats, n_gauss: int = 4) -> None:
+    def __init__(
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int = 4
+    ) -> None:
         self._rows, self._columns = upper_entries()
         super().__init__(name, coords, scale, reference, self._rows, self._columns)
         self._rest = packed(self.rest[:, product_order()])
         self._at_rest = np.zeros_like(self._rest)
         self.matrices, self._deviations = aligned(self.k_rows.size), aligned(self.f_coords.size)
         own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
-        exact = ShellBlock(name, own, scale, reference, stiffness, n_gauss)
+        exact = ShellBlock(name, own, scale, reference, section, n_gauss)
         rest = np.ascontiguousarray(reference, float).reshape(-1)
         exact.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, self._deviations, self.matrices)
 

@@ -20,7 +20,7 @@ class ShellPoints:
         r: positions [m], shape (n, 3).
         n: unit normals, shape (n, 3).
         strains: (eps_11, eps_22, 2 eps_12 [-], kap_11, kap_22, 2 kap_12 [1/m]) in the local orthonormal frame whose first
-            axis is the reference r_x, shape (n, 6).
+            axis is the material direction, shape (n, 6).
     """
 
     r: Floats
@@ -36,11 +36,14 @@ class ShellRecovery:
         coords: global coordinates of each element in element order, shape (n_element, n_coordinate).
         scale: factors from global to element coordinates, shape (n_element, n_coordinate).
         reference: unscaled reference coordinates, shape (n_element, n_coordinate).
+        direction: the material direction, see :class:`lamella.element.plate48.section.Section`.
     """
 
-    def __init__(self, element: ElementSpec, coords: Ints, scale: Floats, reference: Floats) -> None:
+    def __init__(
+        self, element: ElementSpec, coords: Ints, scale: Floats, reference: Floats, direction: Floats | None = None
+    ) -> None:
         self._element, self._coords, self._scale = element, np.asarray(coords), np.asarray(scale, float)
-        self._rest = np.asarray(reference, float) * self._scale
+        self._rest, self._direction = np.asarray(reference, float) * self._scale, direction
 
     def at(self, q: Floats, element: Ints, xi: Floats, eta: Floats) -> ShellPoints:
         """Position, unit normal and strains.
@@ -54,7 +57,7 @@ class ShellRecovery:
         element = np.asarray(element)
         shape = self._element.shape(xi, eta)
         now = self._derivatives(shape, q[self._coords[element]] * self._scale[element])
-        reference = reference_surface("strain recovery", self._derivatives(shape, self._rest[element]))
+        reference = reference_surface("strain recovery", self._derivatives(shape, self._rest[element]), self._direction)
         constants = np.concatenate([reference.first * np.array([0.5, 0.5, 1.0]), reference.second], axis=-1)
         g = tuple(tuple(now[d].T) for d in (1, 2, 3, 5, 4))
         n0 = surface_frame(g[0], g[1])[0]

@@ -1,7 +1,8 @@
 """Geometry of the reference surface: metric, curvature, area and the local orthonormal frame.
 
-The first axis of the local frame is the direction of the reference r_x, the third is the unit normal. Strains that refer to the
-parameters xi, eta are components on the dual basis G^1, G^2 of the surface; with J^a_i = G^a . e_i they become
+The first axis of the local frame is the material direction: that of the reference r_x, or the projection of a given vector on the
+surface. The third is the unit normal. Strains that refer to the parameters xi, eta are components on the dual basis G^1, G^2 of
+the surface; with J^a_i = G^a . e_i they become
 
     E_ij = J^a_i J^b_j E_ab
 
@@ -16,6 +17,9 @@ import numpy as np
 
 from lamella.errors import ModelError
 from lamella.roles import Floats
+
+NORMAL = 1e-3
+"""Sine of the angle to the normal below which a direction has no usable projection on the surface."""
 
 
 @dataclass(frozen=True)
@@ -49,15 +53,16 @@ def derivatives_at_points(shape: Floats, coordinates: Floats) -> Floats:
     return np.einsum("dgs,esc->degc", shape, vectors, optimize=True)
 
 
-def reference_surface(item: str, derivatives: Floats) -> ReferenceSurface:
+def reference_surface(item: str, derivatives: Floats, direction: Floats | None = None) -> ReferenceSurface:
     """Geometry of the reference surface.
 
     Args:
         item: what is being built, for messages.
         derivatives: R, R_xi, R_eta, R_xixi, R_xieta, R_etaeta at the points, shape (6, n_element, ..., 3).
+        direction: vector whose projection on the surface is the first axis of the local frame, shape (3,); R_xi when None.
 
     Raises:
-        ModelError: the reference surface has no normal at a point of an element.
+        ModelError: the reference surface has no normal at a point of an element, or the direction is normal to it there.
     """
     r_x, r_y, r_xx, r_xy, r_yy = derivatives[1:]
     normal = np.cross(r_x, r_y)
@@ -71,12 +76,27 @@ def reference_surface(item: str, derivatives: Floats) -> ReferenceSurface:
     n0 = normal / area[..., None]
     first = np.stack([(r_x * r_x).sum(-1), (r_y * r_y).sum(-1), (r_x * r_y).sum(-1)], axis=-1)
     second = np.stack([(r_xx * n0).sum(-1), (r_yy * n0).sum(-1), (r_xy * n0).sum(-1)], axis=-1)
-    return ReferenceSurface(area, first, second, _strain_transform(r_x, r_y, n0, area))
+    axis = r_x if direction is None else _projected(item, direction, derivatives[0], n0)
+    return ReferenceSurface(area, first, second, _strain_transform(r_x, r_y, n0, area, axis))
 
 
-def _strain_transform(r_x: Floats, r_y: Floats, n0: Floats, area: Floats) -> Floats:
-    """The matrix T of the module's docstring."""
-    e_1 = r_x / np.linalg.norm(r_x, axis=-1, keepdims=True)
+def _projected(item: str, direction: Floats, places: Floats, n0: Floats) -> Floats:
+    """The projection of a vector on the surface at every point."""
+    vector = np.asarray(direction, float)
+    axis = vector - (n0 @ vector)[..., None] * n0
+    bad = np.argwhere(~(np.linalg.norm(axis, axis=-1) > NORMAL * np.linalg.norm(vector)))
+    if len(bad):
+        at = ", ".join(f"{x:.4g}" for x in places[tuple(bad[0])])
+        raise ModelError(
+            f"{item}: the ply direction ({', '.join(f'{x:g}' for x in vector)}) is normal to the surface at ({at}) m in element "
+            f"{bad[0, 0]}; accepted is a direction with a projection on the surface everywhere"
+        )
+    return axis
+
+
+def _strain_transform(r_x: Floats, r_y: Floats, n0: Floats, area: Floats, axis: Floats) -> Floats:
+    """The matrix T of the module's docstring, for local frames whose first axis has the direction ``axis``."""
+    e_1 = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
     e_2 = np.cross(n0, e_1)
     dual_1, dual_2 = np.cross(r_y, n0) / area[..., None], np.cross(n0, r_x) / area[..., None]
     a, b, c, d = ((dual * axis).sum(-1) for axis in (e_1, e_2) for dual in (dual_1, dual_2))

@@ -8,6 +8,7 @@ import numpy as np
 
 from lamella.element.packing import aligned, unpacked
 from lamella.element.plate48.heated import HeatedShellBlock, ThermalCouplingBlock
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import product_order
 from lamella.roles import Floats, Ints
 
@@ -21,7 +22,7 @@ class HeatedElements:
         coords: global coordinates of each element in element order, shape (n_element, 48).
         scale: factors from global to element coordinates, shape (n_element, 48).
         reference: unscaled stress-free coordinates, shape (n_element, 48).
-        stiffness: section stiffness [[A, -B], [-B, D]], shape (6, 6).
+        section: the section.
         n_gauss: Gauss points in each direction.
         temperatures: coordinates of T_N and then T_M at an element's four nodes, shape (n_element, 8).
         expansion: thermal resultants a0, a1, a2 of (1, 2, 12) for each power of z, shape (3, 3).
@@ -31,7 +32,7 @@ class HeatedElements:
     coords: Ints
     scale: Floats
     reference: Floats
-    stiffness: Floats
+    section: Section | Floats
     n_gauss: int
     temperatures: Ints
     expansion: Floats
@@ -39,7 +40,7 @@ class HeatedElements:
     def shell(self) -> HeatedShellBlock:
         """The elements with exact strains."""
         return HeatedShellBlock(
-            self.name, self.coords, self.scale, self.reference, self.stiffness, self.n_gauss, self.temperatures, self.expansion
+            self.name, self.coords, self.scale, self.reference, self.section, self.n_gauss, self.temperatures, self.expansion
         )
 
 
@@ -57,7 +58,7 @@ def thermal_matrices(elements: HeatedElements) -> tuple[Floats, Floats]:
     own = np.arange(48 * n, dtype=np.int64).reshape(n, 48)
     own_T = 48 * n + np.arange(8 * n, dtype=np.int64).reshape(n, 8)
     shell = HeatedShellBlock(
-        elements.name, own, elements.scale, elements.reference, elements.stiffness, elements.n_gauss, own_T, elements.expansion
+        elements.name, own, elements.scale, elements.reference, elements.section, elements.n_gauss, own_T, elements.expansion
     )
     coupling = ThermalCouplingBlock(elements.name, shell, own)
     rest = np.concatenate([np.asarray(elements.reference, float).reshape(-1), np.zeros(8 * n)])
