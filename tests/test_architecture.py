@@ -15,7 +15,7 @@ LAYERS = [
     {"errors", "units", "declaration", "roles", "kinematics", "switch", "dofs", "state", "result", "progress", "_jit", "lane"},
     {"math"},
     {"material"},
-    {"element", "constraint", "measure"},
+    {"element", "constraint", "measure", "surface"},
     {"body"},
     {"joint", "load", "contact", "thermal"},
     {"model"},

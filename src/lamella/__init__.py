@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from lamella.body.shape import Box as Box
     from lamella.body.shape import Cylinder as Cylinder
     from lamella.body.shape import Sphere as Sphere
+    from lamella.body.shell import Shell as Shell
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
@@ -76,6 +77,13 @@ if TYPE_CHECKING:
     from lamella.solve.newton import Newton as Newton
     from lamella.statics import equilibrium as equilibrium
     from lamella.statics import equilibrium_path as equilibrium_path
+    from lamella.surface.function import FunctionSurface as FunctionSurface
+    from lamella.surface.points import PointSurface as PointSurface
+    from lamella.surface.revolution import AnnulusSurface as AnnulusSurface
+    from lamella.surface.revolution import BeltSurface as BeltSurface
+    from lamella.surface.revolution import ConeSurface as ConeSurface
+    from lamella.surface.revolution import CylinderSurface as CylinderSurface
+    from lamella.surface.revolution import SphereSurface as SphereSurface
     from lamella.system import System as System
     from lamella.thermal.field import TemperatureField as TemperatureField
     from lamella.thermal.prescribed import PrescribedTemperature as PrescribedTemperature
@@ -96,6 +104,7 @@ _HOME = {
         "Cylinder",
         "Sphere",
     ),
+    "body.shell": ("Shell",),
     "joint.cylindrical": ("CylindricalJoint",),
     "joint.fixed": ("FixedJoint",),
     "joint.hinge": ("EdgeHinge",),
@@ -145,6 +154,9 @@ _HOME = {
     "solve.arc_length": ("ArcLength",),
     "solve.newton": ("Newton",),
     "statics": ("equilibrium", "equilibrium_path"),
+    "surface.function": ("FunctionSurface",),
+    "surface.points": ("PointSurface",),
+    "surface.revolution": ("AnnulusSurface", "BeltSurface", "ConeSurface", "CylinderSurface", "SphereSurface"),
     "system": ("System",),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}

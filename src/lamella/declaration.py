@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import Field as DataField
 from dataclasses import fields
 from typing import Any, TypeVar, dataclass_transform
 
@@ -28,7 +29,7 @@ def declaration(cls: type[C]) -> type[C]:
 def _clear_errors(init: Callable[..., None], kind: str) -> Callable[..., None]:
     @functools.wraps(init)
     def checked(self: Any, *args: Any, **kwargs: Any) -> None:
-        names = [field.name for field in fields(self) if field.init]
+        names = [field.name for field in given_fields(type(self)) if not field.kw_only]
         if len(args) > len(names):
             raise DeclarationError(kind, f"{len(args)} arguments given", f"accepted are {', '.join(names)}")
         kwargs.update(zip(names, args, strict=False))  # so that messages say the argument's name, not its number
@@ -41,6 +42,11 @@ def _clear_errors(init: Callable[..., None], kind: str) -> Callable[..., None]:
             raise DeclarationError(item, problem, accepted) from error
 
     return checked
+
+
+def given_fields(cls: type) -> list[DataField[Any]]:
+    """The fields of a declaration that are given when it is made; those that are given by name alone come last."""
+    return sorted((field for field in fields(cls) if field.init), key=lambda field: bool(field.kw_only))
 
 
 LIMITS = {

@@ -307,7 +307,7 @@ def test_painter_sorts_bodies_and_plates_by_depth() -> None:
     camera = fit_camera(np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]), "top")
     painter = Painter(camera, ColourScale("viridis", 0.0, 1.0), (60, 60))
     for z, in_front in ((0.8, True), (-0.8, False)):
-        sheet = Sheet(np.stack([x, y, z + 0 * x], -1), np.ones((2, 2)), [], np.zeros((2, 3)))
+        sheet = Sheet(np.stack([x, y, z + 0 * x], -1), np.ones((2, 2)), [], [])
         image = painter.draw([sheet], [box]).astype(int)
         assert coloured(image)[25, 25] == in_front  # beside the middle, where no edge runs
         assert coloured(image)[5, 5]
@@ -403,7 +403,7 @@ def test_camera_sees_everything_and_z_is_up(view: Any) -> None:
 def test_painter_hides_what_is_behind() -> None:
     x, y = np.meshgrid([0.0, 1.0], [0.0, 1.0])
     lower, upper = (
-        Sheet(np.stack([x, y, z + 0 * x], -1), np.full((2, 2), v), [], np.zeros((2, 3))) for z, v in ((0, 0.0), (1, 1.0))
+        Sheet(np.stack([x, y, z + 0 * x], -1), np.full((2, 2), v), [], []) for z, v in ((0, 0.0), (1, 1.0))
     )
     camera = fit_camera(upper.points.reshape(-1, 3), "top")
     painter = Painter(camera, ColourScale("viridis", 0.0, 1.0), (40, 40))

@@ -1,11 +1,13 @@
-"""The compiled form of a plate: node numbers, element tables, and where its points are."""
+"""The compiled form of a plate or shell: node numbers, element tables, and where its points are."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
+from lamella.body.mesh_checks import check_folds, check_loops
 from lamella.body.sample import PlateSample
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.recovery import ShellRecovery
@@ -13,6 +15,7 @@ from lamella.element.plate48.section import Section
 from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
+from lamella.surface.base import Surface, SurfacePoints
 
 
 class TemperatureSource(Protocol):
@@ -26,50 +29,90 @@ class TemperatureSource(Protocol):
 
 
 class PlateMesh:
-    """A rectangle of nx times ny elements; node (i, j) has number j (nx + 1) + i, its vectors are contiguous.
+    """A rectangle of nx times ny elements; node (i, j) has number j nodes_x + i, its vectors are contiguous.
+
+    Where the surface closes on itself, the last elements end at the first nodes.
 
     Args:
-        name: the plate's name.
-        size: lengths along x and y [m].
+        name: the body's name.
+        surface: the reference surface in the body's axes.
         counts: numbers of elements along x and y.
         element: the finite element.
         laminate: the section.
         strain: the strain model's name.
+
+    Raises:
+        DeclarationError: a surface whose ends should meet and do not, or too few elements around.
     """
 
     def __init__(
-        self, name: str, size: tuple[float, float], counts: tuple[int, int], element: ElementSpec, laminate: Laminate, strain: str
+        self, name: str, surface: Surface, counts: tuple[int, int], element: ElementSpec, laminate: Laminate, strain: str
     ) -> None:
-        self.name, self.size, self.element, self.laminate, self.strain = name, size, element, laminate, strain
+        self.name, self.surface, self.element, self.laminate, self.strain = name, surface, element, laminate, strain
+        self.size = size = surface.size
         self.section = Section(laminate.stiffness)
+        self.mass_per_area: float | Floats = laminate.mass_per_area
+        self.thickness_factors: Floats | None = None
         self.temperature: TemperatureSource | None = None
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny
-        self.n_nodes = (self.nx + 1) * (self.ny + 1)
+        self.loops = surface.loops
+        check_loops(name, surface, counts)
+        self.nodes_x, self.nodes_y = self.nx + (not self.loops[0]), self.ny + (not self.loops[1])
+        self.n_nodes = self.nodes_x * self.nodes_y
         per_node = element.vectors_per_node
         self.is_position = np.tile(np.asarray(element.is_position, bool), self.n_nodes)
         self.magnitude = np.tile(element.magnitudes(max(size)), self.n_nodes)
-        i, j = np.meshgrid(np.arange(self.nx), np.arange(self.ny))
-        corner = np.stack([(j + dj) * (self.nx + 1) + i + di for di, dj in element.nodes], axis=-1).reshape(
-            -1, len(element.nodes)
-        )
-        self._element_vectors = (per_node * corner[:, :, None] + np.arange(per_node)).reshape(len(corner), -1)
-        self.scale = np.tile(np.repeat(element.scales(self.lx, self.ly), 3), (len(corner), 1))
+        i, j = (k.reshape(-1) for k in np.meshgrid(np.arange(self.nx), np.arange(self.ny)))
+        self._corner_i, self._corner_j = (np.stack([k + node[d] for node in element.nodes], axis=1) for d, k in enumerate((i, j)))
+        self.corners: Ints = self.node(self._corner_i, self._corner_j)
+        """Numbers of the nodes of each element, shape (n_element, 4)."""
+        self._element_vectors = (per_node * self.corners[:, :, None] + np.arange(per_node)).reshape(len(i), -1)
+        self.scale = np.tile(np.repeat(element.scales(self.lx, self.ly), 3), (len(i), 1))
 
-    def flat_vectors(self) -> Floats:
-        """Nodal vectors of the flat rectangle in its own axes, shape (n_nodes * vectors_per_node, 3)."""
-        j, i = np.divmod(np.arange(self.n_nodes), self.nx + 1)
-        values = {"r": np.stack([i * self.lx, j * self.ly, 0.0 * i], axis=1), "r_x": (1.0, 0.0, 0.0), "r_y": (0.0, 1.0, 0.0)}
-        return np.stack(
-            [np.broadcast_to(values.get(name, (0.0, 0.0, 0.0)), (self.n_nodes, 3)) for name in self.element.vector_names], axis=1
-        ).reshape(-1, 3)
+    def node(self, i: Ints, j: Ints) -> Ints:
+        """Number of the node (i, j); beyond the end of a closed direction it is counted from the beginning."""
+        return (j % self.nodes_y) * self.nodes_x + i % self.nodes_x
 
-    def place(self, first: int, vectors: Floats) -> None:
-        """Take the number of the first vector and the reference configuration, shape (n_vectors, 3)."""
+    def node_vectors(self) -> Floats:
+        """Nodal vectors of the reference surface in the body's axes, shape (n_nodes * vectors_per_node, 3)."""
+        j, i = np.divmod(np.arange(self.n_nodes), self.nodes_x)
+        return self.surface.at(i * self.lx, j * self.ly).vectors(self.element.vector_names).reshape(-1, 3)
+
+    def corner_vectors(self, surface: Surface) -> Floats:
+        """Vectors of every element's nodes on a surface, by their share of its lengths, shape (n_element, n_shape, 3).
+
+        Slopes are derivatives by the parameters of this mesh. Elements on both sides of a seam have their own values there.
+        """
+        shares = self._corner_i.reshape(-1) / self.nx, self._corner_j.reshape(-1) / self.ny
+        points = surface.at(shares[0] * surface.size[0], shares[1] * surface.size[1])
+        f_x, f_y = (own / length for own, length in zip(surface.size, self.size, strict=True))
+        scaled = SurfacePoints(points.r, f_x * points.r_x, f_y * points.r_y, f_x * f_y * points.r_xy)
+        return scaled.vectors(self.element.vector_names).reshape(len(self.corners), -1, 3)
+
+    def thicken(self, factors: Floats) -> None:
+        """Multiply all heights of the section, element by element, shape (n_element,)."""
+        self.thickness_factors = factors
+        powers = np.array([[1.0, 2.0], [2.0, 3.0]]).repeat(3, axis=0).repeat(3, axis=1)  # of the height in A, B, D
+        self.section = replace(self.section, stiffness=factors[:, None, None] ** powers * self.laminate.stiffness)
+        self.mass_per_area = factors * self.laminate.mass_per_area
+
+    def orient(self, direction: Floats | None, prestrain: tuple[float, float, float] | None) -> None:
+        """Take the material direction, in the inertial frame, and the strains of the reference configuration."""
+        strains = None if prestrain is None else np.asarray(prestrain, float)
+        self.section = replace(self.section, direction=direction, prestrain=strains)
+
+    def place(self, first: int, rest: Floats) -> None:
+        """Take the number of the first vector and the stress-free configuration, shape (n_element, n_shape, 3).
+
+        Raises:
+            DeclarationError: it folds or degenerates.
+        """
         self.first = first
         local = (3 * self._element_vectors[:, :, None] + np.arange(3)).reshape(len(self._element_vectors), -1)
         self.coords: Ints = (local + 3 * first).astype(np.int64)
-        self.reference: Floats = vectors.reshape(-1)[local]
+        self.reference: Floats = rest.reshape(len(rest), -1)
+        check_folds(self)
 
     def vector(self, node: int, name: str) -> int:
         """Number of a nodal vector, by the node's number and the vector's name."""
@@ -78,7 +121,7 @@ class PlateMesh:
     def describe(self, vector: int) -> str:
         """A nodal vector of this plate in words, by its number."""
         node, place = divmod(vector - self.first, self.element.vectors_per_node)
-        j, i = divmod(node, self.nx + 1)
+        j, i = divmod(node, self.nodes_x)
         return f"{self.element.vector_names[place]} at node ({i}, {j}) of plate '{self.name}'"
 
     def find(self, x: float, y: float) -> tuple[int, float, float]:
@@ -99,9 +142,10 @@ class PlateMesh:
 
     def edge_nodes(self, side: str) -> Ints:
         """Numbers of the nodes on an edge, in ascending order of the parameter along it."""
-        row = np.arange(self.nx + 1)
-        column = np.arange(self.ny + 1) * (self.nx + 1)
-        return {"x-": column, "x+": column + self.nx, "y-": row, "y+": row + self.ny * (self.nx + 1)}[side]
+        along_x = side[0] == "y"
+        k = np.arange(self.nodes_x if along_x else self.nodes_y)
+        end = np.full_like(k, 0 if side[1] == "-" else (self.ny if along_x else self.nx))
+        return self.node(k, end) if along_x else self.node(end, k)
 
     def edge_slope(self, side: str) -> tuple[str, str]:
         """Names of the nodal slopes along and across an edge."""
@@ -122,7 +166,11 @@ class PlateMesh:
         index = (j[:, None] * self.nx + i[None, :]).reshape(-1)
         points_xi = np.broadcast_to(xi - i, (len(eta), len(xi))).reshape(-1)
         points_eta = np.broadcast_to((eta - j)[:, None], (len(eta), len(xi))).reshape(-1)
-        found = ShellRecovery(self.element, self.coords, self.scale, self.reference).at(q, index, points_xi, points_eta)
+        recovery = ShellRecovery(self.element, self.coords, self.scale, self.reference, self.section.direction)
+        found = recovery.at(q, index, points_xi, points_eta)
+        strains = found.strains
+        if self.section.prestrain is not None:
+            strains = strains + np.concatenate([self.section.prestrain, np.zeros(3)])
         shape = (len(eta), len(xi), -1)
         heat: tuple[Floats, Floats] | tuple[()] = ()
         if self.temperature is not None:
@@ -135,6 +183,7 @@ class PlateMesh:
             eta * self.ly,
             found.r.reshape(shape),
             found.n.reshape(shape),
-            found.strains.reshape(shape),
+            strains.reshape(shape),
             *heat,
+            thickness_factors=1.0 if self.thickness_factors is None else self.thickness_factors[index].reshape(shape[:2]),
         )

@@ -63,7 +63,7 @@ def rigid_rows(mesh: PlateMesh, first_node: int = 0) -> list[LinearRow | DotRow]
     p, d_1, d_2 = (VectorRows.single(mesh.vector(first_node, name)) for name in ("r", "r_x", "r_y"))
     rows: list[LinearRow | DotRow] = []
     for node in range(mesh.n_nodes):
-        j, i = divmod(node, mesh.nx + 1)
+        j, i = divmod(node, mesh.nodes_x)
         wanted = {"r": p + i * mesh.lx * d_1 + j * mesh.ly * d_2, "r_x": d_1, "r_y": d_2}
         for name in mesh.element.vector_names:
             vector = mesh.vector(node, name)

@@ -6,7 +6,7 @@ import collections.abc
 import inspect
 import re
 import types
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass
 from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
+from lamella.declaration import given_fields
 from lamella.roles import Declaration
 
 PLACES = (Marker, Edge)
@@ -71,7 +72,7 @@ def concrete(base: type) -> tuple[type, ...]:
 
 def in_files(cls: type) -> bool:
     """Whether a model file can hold a declaration."""
-    return not (issubclass(cls, Declaration) and cls.python_only)
+    return not getattr(cls, "python_only", False)
 
 
 @cache
@@ -79,9 +80,7 @@ def field_specs(cls: type) -> dict[str, FieldSpec]:
     """The fields of a declaration that can be given, by name and in order."""
     hints = get_type_hints(cls, include_extras=True)
     specs = {}
-    for field in fields(cls):
-        if not field.init:
-            continue
+    for field in given_fields(cls):
         default = field.default
         if field.default_factory is not MISSING:
             default = field.default_factory()
@@ -115,7 +114,7 @@ def options(annotation: Any) -> Options:
         elif isinstance(bare, type) and origin is None and issubclass(bare, Declaration):
             references.append(bare)
         elif isinstance(bare, type) and origin is None and concrete(bare):
-            classes += [cls for cls in concrete(bare) if cls not in classes]
+            classes += [cls for cls in concrete(bare) if cls not in classes and in_files(cls)]
         elif origin in SEQUENCES and any(part is not Ellipsis and options(part).structured for part in inner):
             repeated = Ellipsis in inner or origin is not tuple
             items = tuple(part for part in inner if part is not Ellipsis)

@@ -8,8 +8,9 @@ from typing import Any
 
 from lamella.body.base import Body, Marker
 from lamella.body.ground import Ground
-from lamella.body.plate import Edge, Plate
+from lamella.body.plate import Edge
 from lamella.body.rigid import RigidBody
+from lamella.body.shell_body import ShellBody
 from lamella.io.annotation import Options, field_specs, tag_of
 from lamella.io.document import Document, Place, shown
 from lamella.io.reader import FAILED, Reader, accepted, kinds, suggestion
@@ -127,9 +128,9 @@ class Items:
                 place, f"'{text}' is {'a marker' if isinstance(found, Marker) else 'an edge'}; accepted is {wanted}"
             )
             return FAILED
-        corners = CORNERS if isinstance(body, Plate) else (ORIGIN,)
+        corners = CORNERS if isinstance(body, ShellBody) else (ORIGIN,)
         points = dict.fromkeys((*markers_of(body), *corners)) if Marker in allowed.places else ()
-        edges = EDGES if isinstance(body, Plate) and Edge in allowed.places else ()
+        edges = EDGES if isinstance(body, ShellBody) and Edge in allowed.places else ()
         known = [*points, *edges]
         self.document.problem(place, f"'{body_name}' has no marker or edge '{name}'{suggestion(name, known)}")
         return FAILED
@@ -137,7 +138,7 @@ class Items:
 
 def markers_of(body: Body) -> dict[str, tuple[float, ...]]:
     """Named points of a body."""
-    return dict(body.markers) if isinstance(body, (Plate, Ground, RigidBody)) else {}
+    return dict(body.markers) if isinstance(body, (ShellBody, Ground, RigidBody)) else {}
 
 
 def place_of(body: Body, name: str) -> Marker | Edge | None:
@@ -145,8 +146,8 @@ def place_of(body: Body, name: str) -> Marker | Edge | None:
     markers = markers_of(body)
     if name in markers:
         return Marker(body, name, markers[name])
-    if isinstance(body, Plate) and name in EDGES:
+    if isinstance(body, ShellBody) and name in EDGES:
         return body.edge(name)  # type: ignore[arg-type]  # one of the four
-    if isinstance(body, Plate) and name in CORNERS:
+    if isinstance(body, ShellBody) and name in CORNERS:
         return body.corner(name)
     return body.origin if isinstance(body, (Ground, RigidBody)) and name == ORIGIN else None

@@ -37,8 +37,14 @@ def json_schema() -> dict[str, Any]:
 
 
 def arguments(cls: type) -> dict[str, str]:
-    """The sentences of a docstring's ``Args:``, by argument."""
-    text = inspect.getdoc(cls) or ""
+    """The sentences of the docstring's ``Args:`` of a class and of the classes it derives from, by argument."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        found |= _arguments(inspect.cleandoc(base.__doc__ or ""))
+    return found
+
+
+def _arguments(text: str) -> dict[str, str]:
     block = re.search(r"^Args:\n((?:[ \t]+.*\n?|\n)*)", text, re.MULTILINE)
     found: dict[str, str] = {}
     name = ""

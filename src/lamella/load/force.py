@@ -8,7 +8,8 @@ import numpy as np
 
 from lamella import units
 from lamella.body.base import Marker
-from lamella.body.plate import Edge, Plate
+from lamella.body.plate import Edge
+from lamella.body.shell_body import ShellBody
 from lamella.declaration import declaration
 from lamella.load.dead import add_dead_load
 from lamella.load.follower import FollowerForceBlock
@@ -90,7 +91,7 @@ class SurfaceForce(Declaration):
     """
 
     name: str
-    on: Plate
+    on: ShellBody
     force: tuple[units.Pressure, units.Pressure, units.Pressure]
     profile: Profile = Constant(1.0)
 

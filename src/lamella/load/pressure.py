@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from lamella import units
-from lamella.body.plate import Plate
+from lamella.body.shell_body import ShellBody
 from lamella.declaration import declaration
 from lamella.dofs import Build, Motion
 from lamella.load.record import add_load
@@ -40,7 +40,7 @@ class Pressure(Declaration):
 
     order: ClassVar[int] = 3  # after the supports, which decide whether the tangent is symmetric
     name: str
-    on: Plate
+    on: ShellBody
     pressure: units.Pressure
     profile: Profile = Constant(1.0)
 

@@ -30,6 +30,7 @@ class Surface(Protocol):
 
     name: str
     laminate: Laminate
+    loops: tuple[bool, bool]
     temperature: TemperatureSource | None
 
     def sample(self, q: Floats, per_element: int = 4) -> PlateSample:

@@ -48,7 +48,8 @@ class Painter(Renderer):
             lift = self._add_faces(strokes, *self._sheet_faces(sheet))
             for line in sheet.lines:
                 self._add_line(strokes, line, LINE_COLOUR, 0.5, lift)
-            self._add_line(strokes, sheet.outline, OUTLINE_COLOUR, 1.1, lift)
+            for line in sheet.outlines:
+                self._add_line(strokes, line, OUTLINE_COLOUR, 1.1, lift)
         for body in bodies:
             self._add_body(strokes, body)
         order = np.argsort(strokes.depths)[::-1]

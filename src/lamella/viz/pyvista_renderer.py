@@ -50,7 +50,7 @@ class PyVistaRenderer(Renderer):
         for sheet in sheets:
             self._add_surface(sheet)
             self._add_lines(self._before_surface(sheet.lines), LINE_COLOUR, opacity=0.8)
-            self._add_lines([sheet.outline], OUTLINE_COLOUR)
+            self._add_lines(sheet.outlines, OUTLINE_COLOUR)
         for body in bodies:
             self._add_body(body)
             if len(body.edges):

@@ -49,13 +49,13 @@ class Sheet:
         points: grid in the (scaled) deformed configuration [m], shape (my, mx, 3).
         values: what the colour shows, shape (my, mx).
         lines: element boundaries, each a polyline, shapes (n, 3).
-        outline: boundary of the reference configuration, shape (n, 3).
+        outlines: edges of the reference configuration, each a polyline, shapes (n, 3).
     """
 
     points: Floats
     values: Floats
     lines: Sequence[Floats]
-    outline: Floats
+    outlines: Sequence[Floats]
 
 
 @dataclass(frozen=True)

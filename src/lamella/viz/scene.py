@@ -242,8 +242,10 @@ def _sheet(shot: Snapshot, values: Floats, scale: float, per_element: int) -> Sh
     points = _moved(shot, scale)
     rows, columns = range(0, points.shape[0], per_element), range(0, points.shape[1], per_element)
     reference = shot.reference.r
-    outline = np.concatenate([reference[0], reference[1:, -1], reference[-1, -2::-1], reference[-2::-1, 0]])
-    return Sheet(points, values, [points[j] for j in rows] + [points[:, i] for i in columns], outline)
+    along_x, along_y = shot.plate.loops  # a surface that is closed has no edges where it begins
+    outlines = [] if along_y else [reference[0], reference[-1]]
+    outlines += [] if along_x else [reference[:, 0], reference[:, -1]]
+    return Sheet(points, values, [points[j] for j in rows] + [points[:, i] for i in columns], outlines)
 
 
 def _moved(shot: Snapshot, scale: float) -> Floats:

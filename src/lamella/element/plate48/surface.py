@@ -18,8 +18,8 @@ import numpy as np
 from lamella.errors import ModelError
 from lamella.roles import Floats
 
-NORMAL = 1e-3
-"""Sine of the angle to the normal below which a direction has no usable projection on the surface."""
+NORMAL = 0.1
+"""Sine of the angle to the normal below which a direction has no usable projection on the surface: nearby it turns over."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def _projected(item: str, direction: Floats, places: Floats, n0: Floats) -> Floa
     if len(bad):
         at = ", ".join(f"{x:.4g}" for x in places[tuple(bad[0])])
         raise ModelError(
-            f"{item}: the ply direction ({', '.join(f'{x:g}' for x in vector)}) is normal to the surface at ({at}) m in element "
+            f"{item}: the ply direction ({', '.join(f'{x:g}' for x in vector)}) is normal to the surface near ({at}) m in element "
             f"{bad[0, 0]}; accepted is a direction with a projection on the surface everywhere"
         )
     return axis

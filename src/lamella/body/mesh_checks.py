@@ -1,0 +1,84 @@
+"""Whether a reference surface makes a mesh: its ends meet where they should, and no element folds or degenerates."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamella.errors import DeclarationError
+from lamella.surface.base import Surface
+
+if TYPE_CHECKING:
+    from lamella.body.mesh import PlateMesh
+
+GAP = 1e-6
+"""Largest difference between the ends of a closed direction, relative to the size, and to the slopes."""
+DEGENERATE = 1e-3
+"""Smallest sine of the angle between r_x and r_y."""
+POINTS = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Where elements are looked at, in each direction: at the nodes and between."""
+
+
+def check_loops(name: str, surface: Surface, counts: tuple[int, int]) -> None:
+    """Refuse a closed direction whose ends do not meet, or with fewer than three elements.
+
+    Raises:
+        DeclarationError: names the place.
+    """
+    for axis, letter in enumerate("xy"):
+        if not surface.loops[axis]:
+            continue
+        if counts[axis] < 3:
+            problem = f"{counts[axis]} elements along the closed direction {letter}"
+            raise DeclarationError(f"'{name}'", problem, "accepted are at least 3")
+        along = np.linspace(0.0, surface.size[1 - axis], counts[1 - axis] + 1)
+        ends = [
+            surface.at(*(np.full_like(along, end) if k == axis else along for k in (0, 1))) for end in (0.0, surface.size[axis])
+        ]
+        reach = max(surface.size)
+        for what, scale, words in (
+            ("r", reach, "do not meet"),
+            ("r_x", 1.0, "meet at an angle"),
+            ("r_y", 1.0, "meet at an angle"),
+        ):
+            gaps = np.linalg.norm(getattr(ends[1], what) - getattr(ends[0], what), axis=1)
+            if gaps.max() > GAP * scale:
+                worst = int(gaps.argmax())
+                at = ", ".join(f"{x:.4g}" for x in ends[0].r[worst])
+                size = f"{gaps[worst]:.3g} m apart" if what == "r" else f"{what} differs by {gaps[worst]:.3g}"
+                raise DeclarationError(
+                    f"'{name}'",
+                    f"closed along {letter}, but its ends {words} at ({at}) m, where {letter} is 0: {size}",
+                    "accepted is a surface that closes smoothly, or one that is not closed",
+                )
+
+
+def check_folds(mesh: PlateMesh) -> None:
+    """Refuse elements whose stress-free configuration has no area or turns over.
+
+    Raises:
+        DeclarationError: names the place.
+    """
+    xi, eta = (v.reshape(-1) for v in np.meshgrid(POINTS, POINTS))
+    shape = mesh.element.shape(xi, eta)[:3]
+    vectors = (mesh.reference * mesh.scale).reshape(len(mesh.reference), -1, 3)
+    r, r_xi, r_eta = np.einsum("dps,esc->depc", shape, vectors, optimize=True)
+    normal = np.cross(r_xi, r_eta)
+    area = np.linalg.norm(normal, axis=-1)
+    thin = ~(area > DEGENERATE * np.linalg.norm(r_xi, axis=-1) * np.linalg.norm(r_eta, axis=-1))
+    turned = np.einsum("epc,ec->ep", normal, normal.mean(axis=1)) <= 0.0
+    for bad, words in (
+        (thin, "degenerates: r_x and r_y are parallel, or one of them vanishes"),
+        (turned, "folds: its normal turns over"),
+    ):
+        if bad.any():
+            element, point = np.argwhere(bad)[0]
+            j, i = divmod(int(element), mesh.nx)
+            at = ", ".join(f"{x:.4g}" for x in r[element, point])
+            x, y = (i + xi[point]) * mesh.lx, (j + eta[point]) * mesh.ly
+            raise DeclarationError(
+                f"'{mesh.name}'",
+                f"the surface {words} at x = {x:.4g} m, y = {y:.4g} m, which is the point ({at}) m",
+                "accepted is a surface with a normal everywhere that the mesh resolves",
+            )
