@@ -14,18 +14,20 @@ R = matrix_from_vector(np.array(TURN))
 SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
 
 
-def nodal_vectors(x, y, cone=0.0, skew=0.0):
+def nodal_vectors(x, y, cone=0.0, skew=0.0, start=(0.0, 0.0), rate=1.0):
     """r, r_x, r_y, r_xy of a cone about the axis of y with the radius RADIUS + cone Y, Y = STRETCH y, from its angle x / RADIUS.
 
-    ``skew`` lets the lines of constant x wind about the axis: the angle is x / RADIUS + skew y.
+    ``skew`` lets the lines of constant x wind about the axis: the angle is x / RADIUS + skew y. Parameters begin at ``start``,
+    and x grows at ``rate`` times that of the plate.
     """
+    x, y = start[0] + rate * x, start[1] + y
     angle, radius = x / RADIUS + skew * y, RADIUS + cone * STRETCH * y
     out, around, axis = np.array((np.cos(angle), 0, np.sin(angle))), np.array((-np.sin(angle), 0, np.cos(angle))), np.eye(3)[1]
     r = radius * out + STRETCH * y * axis
     r_x = radius / RADIUS * around
     r_y = cone * STRETCH * out + radius * skew * around + STRETCH * axis
     r_xy = cone * STRETCH / RADIUS * around - radius / RADIUS * skew * out
-    return np.array([PLACE + R @ r, R @ r_x, R @ r_y, R @ r_xy])
+    return np.array([PLACE + R @ r, rate * R @ r_x, R @ r_y, rate * R @ r_xy])
 
 
 class Bent(Declaration):
