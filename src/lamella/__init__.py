@@ -29,8 +29,13 @@ if TYPE_CHECKING:
     from lamella.joint.distance import DistanceJoint as DistanceJoint
     from lamella.joint.drive import AngleDrive as AngleDrive
     from lamella.joint.drive import SlideDrive as SlideDrive
+    from lamella.joint.edge_average import EdgeAverage as EdgeAverage
     from lamella.joint.fixed import FixedJoint as FixedJoint
     from lamella.joint.hinge import EdgeHinge as EdgeHinge
+    from lamella.joint.linear_constraint import Component as Component
+    from lamella.joint.linear_constraint import LinearConstraint as LinearConstraint
+    from lamella.joint.planar_edge import Diaphragm as Diaphragm
+    from lamella.joint.planar_edge import Symmetry as Symmetry
     from lamella.joint.point_on_line import PointInPlaneJoint as PointInPlaneJoint
     from lamella.joint.point_on_line import PointOnLineJoint as PointOnLineJoint
     from lamella.joint.prismatic import PrismaticJoint as PrismaticJoint
@@ -106,8 +111,11 @@ _HOME = {
     ),
     "body.shell": ("Shell",),
     "joint.cylindrical": ("CylindricalJoint",),
+    "joint.edge_average": ("EdgeAverage",),
     "joint.fixed": ("FixedJoint",),
     "joint.hinge": ("EdgeHinge",),
+    "joint.linear_constraint": ("Component", "LinearConstraint"),
+    "joint.planar_edge": ("Diaphragm", "Symmetry"),
     "joint.point_on_line": (
         "PointInPlaneJoint",
         "PointOnLineJoint",

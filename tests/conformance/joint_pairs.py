@@ -129,6 +129,18 @@ def marker_to_edge(kind_a, strain, side="y+", mesh=(1, 2), kind="full"):
     return Pair(bodies, held if strain == "exact" else 6, "", np.eye(3), centre)
 
 
+def mean_of_edge(kind_a, strain, free="rz", mesh=(2, 1), **held):
+    """A body that carries an edge in the mean; the edge lies along the inertial z axis."""
+    turn = (0.0, -0.5 * np.pi, 0.0)
+
+    def bodies():
+        (a, on_a), (b, _) = BODY_A[kind_a](AT), panel("b", SIZE_B, turn, (0.3, 0.5), SPIN_B, AT + 0.1, strain, mesh)
+        return a, b, lm.EdgeAverage("joint", b.edge("y+"), to=on_a, **held)
+
+    centre = AT + 0.1 + matrix_from_vector(np.array(turn)) @ (0.5 * SIZE_B[0] - 0.3, SIZE_B[1] - 0.5, 0.0)
+    return Pair(bodies, 6 - len(free.split()), free, np.eye(3), centre)
+
+
 def two_edges(joint, held, free, strain="exact", reverse=False, mesh_a=(1, 2), mesh_b=(1, 2)):
     """Two plates of 0.6 m edges, x+ of a on x- of b, or on x+ of b turned by half a turn about the normal, at a fold."""
 
@@ -179,6 +191,12 @@ PAIRS = {
     "sliding edge x-, rigid and plate": marker_to_edge("rigid", "exact", "x-", kind="sliding"),
     "sliding edge, plate and plate": marker_to_edge("plate", "exact", kind="sliding"),
     "sliding edge, rigid and rigid plate": marker_to_edge("rigid", "rigid", kind="sliding"),
+    "mean of edge, ground and plate": mean_of_edge("ground", "exact", rotations="xy"),
+    "mean of edge, rigid and plate": mean_of_edge("rigid", "exact", rotations="xy"),
+    "mean of edge, plate and plate": mean_of_edge("plate", "exact", rotations="yx"),
+    "mean of edge, rigid and rigid plate": mean_of_edge("rigid", "rigid", rotations="xy"),
+    "mean position of edge, rigid and rigid plate": mean_of_edge("rigid", "rigid", "rx ry rz"),
+    "some axes of mean of edge, rigid and plate": mean_of_edge("rigid", "exact", "tz rx rz", axes="yx", rotations="y"),
     # position and tangent at three nodes; the twist of a cubic edge is free
     "hinge": two_edges(hinge, 18, "rz"),
     "hinge, reversed": two_edges(hinge, 18, "rz", reverse=True),

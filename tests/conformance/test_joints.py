@@ -12,13 +12,19 @@ from joint_pairs import PAIRS
 
 import lamella as lm
 import lamella.joint
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, LamellaError
+from lamella.math.rotation import matrix_from_vector
 from lamella.roles import Declaration
 
 SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
 SIZE, PLACE, TURN = (1.2, 0.9), (0.4, -0.2, 0.3), (0.1, -0.3, 0.7)
 DRIVE = lm.Harmonic(amplitude=0.02, frequency=4.0)
 LOAD = (12.0, -7.0, 20.0)
+
+
+def direction(x, y, z):
+    """A direction given in the plate's axes, in the inertial frame."""
+    return tuple(matrix_from_vector(np.array(TURN)) @ (x, y, z))
 
 
 def make_plate():
@@ -38,6 +44,29 @@ JOINTS = {
     "point support along z": lambda p: [lm.PointSupport("joint", p.corner("x+y+"), axes="z"), lm.Clamp("other", p.edge("x-"))],
     "edge support": lambda p: [lm.EdgeSupport("joint", p.edge("x+")), lm.Clamp("other", p.edge("x-"))],
     "edge support across": lambda p: [lm.EdgeSupport("joint", p.edge("y-"), axes="xz"), lm.Clamp("other", p.edge("x-"))],
+    "oblique edge support": lambda p: [
+        lm.EdgeSupport("joint", p.edge("x+"), axes="yz", rotation=(0.3, 0.2, -0.5)),
+        lm.Clamp("other", p.edge("x-")),
+    ],
+    "moving edge support": lambda p: [
+        lm.EdgeSupport("joint", p.edge("x+"), axes="xz", rotation=(0.3, 0.2, -0.5), motion={"z": DRIVE}),
+        lm.Clamp("other", p.edge("x-")),
+    ],
+    "symmetry": lambda p: [lm.Symmetry("joint", p.edge("x+"), normal=direction(1, 0, 0)), lm.Clamp("other", p.edge("x-"))],
+    "symmetry that meets a clamp": lambda p: [
+        lm.Symmetry("joint", p.edge("y-"), normal=direction(0, -2, 0)),
+        lm.Clamp("other", p.edge("x-")),
+    ],
+    "diaphragm": lambda p: [lm.Diaphragm("joint", p.edge("x+"), normal=direction(1, 0, 0.4)), lm.Clamp("other", p.edge("x-"))],
+    "mean of an edge": lambda p: [
+        lm.EdgeAverage("joint", p.edge("x+"), "xz", rotations="xz", motion={"z": DRIVE}),
+        lm.Clamp("other", p.edge("x-")),
+    ],
+    "mean of an edge on the ground": lambda p: [
+        ground := lm.Ground(),
+        lm.EdgeAverage("joint", p.edge("y-"), to=ground.marker("peg", 2.0, 1.5, 1.0)),
+        lm.Clamp("other", p.edge("x-")),
+    ],
     "prescribed motion": lambda p: [
         lm.PrescribedMotion("joint", p.marker("at", 0.9, 0.4), "z", DRIVE),
         lm.Clamp("other", p.edge("x-")),
@@ -67,8 +96,8 @@ joints = pytest.mark.parametrize("name", JOINTS)
 multiplied = pytest.mark.parametrize("name", [name for name in JOINTS if "distance" in name])
 
 
-# what holds angles, displacements and lengths has its cases in test_drives.py
-TESTED_APART = {"AngleDrive", "SlideDrive", "AngleCoupling", "PositionCoupling", "Cable"}
+# what holds angles, displacements and lengths has its cases in test_drives.py, linear constraints in test_linear_constraint.py
+TESTED_APART = {"AngleDrive", "SlideDrive", "AngleCoupling", "PositionCoupling", "Cable", "LinearConstraint"}
 
 
 def test_every_joint_of_the_package_is_tested():
@@ -252,6 +281,25 @@ def test_given_length_is_reached_at_the_start_of_a_motion():
         (lambda p: lm.PointSupport("s", p.corner("x-y-"), axes="xx"), r"PointSupport 's': axes 'xx'"),
         (lambda p: lm.PointSupport("s", p.corner("x-y-"), axes=""), r"PointSupport 's': axes ''"),
         (lambda p: lm.EdgeSupport("s", p.edge("x-"), axes="xyzz"), r"EdgeSupport 's': axes 'xyzz'"),
+        (
+            lambda p: lm.EdgeSupport("s", p.edge("x-"), "xy", motion={"z": 1.0}),
+            r"EdgeSupport 's': a motion along z of an edge held along x, y; accepted are motions along axes that are held",
+        ),
+        (lambda p: lm.Symmetry("s", p.edge("x-"), "w"), r"Symmetry 's'.*normal"),
+        (lambda p: lm.EdgeAverage("s", p.edge("x-"), "xw"), r"EdgeAverage 's': axes 'xw'"),
+        (lambda p: lm.EdgeAverage("s", p.edge("x-"), ""), r"EdgeAverage 's': axes ''"),
+        (lambda p: lm.EdgeAverage("s", p.edge("x-"), rotations="xx"), r"EdgeAverage 's': axes 'xx'"),
+        (
+            lambda p: lm.EdgeAverage("s", p.edge("x-"), "x", motion={"y": 1.0}),
+            r"EdgeAverage 's': a motion along y of a mean held along 'x'; accepted",
+        ),
+        (
+            lambda p: lm.EdgeAverage("s", p.edge("x-"), "x", motion={"x": 1.0}, to=lm.Ground().origin),
+            r"EdgeAverage 's': a motion along x of a mean held along 'x' with 'ground.origin'; accepted .* in space",
+        ),
+        (lambda p: lm.LinearConstraint("s", ()), r"LinearConstraint 's'.*terms"),
+        (lambda p: lm.Component(p.corner("x-y-"), "w"), r"axis"),
+        (lambda p: lm.Component(p.corner("x-y-"), "x", of="slope"), r"position.*slope_x.*slope_y"),
         (lambda p: lm.Clamp("s", p.edge("x-"), motion={"w": 1.0}), r"Clamp 's': axes 'w'"),
         (lambda p: lm.Clamp("s", p.edge("x-"), kind="loose"), r"Clamp 's'.*kind.*full.*restrained.*sliding"),
         (
@@ -268,6 +316,71 @@ def test_given_length_is_reached_at_the_start_of_a_motion():
 def test_impossible_joints_are_refused_with_a_message(make, message):
     with pytest.raises(DeclarationError, match=message):
         make(make_plate())
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda p: lm.Symmetry("s", p.edge("x-"), "x"),
+            r"Symmetry 's': edge plate\.x- leaves the plane with the normal \(1, 0, 0\) by .* m and .* deg; accepted is an edge",
+        ),
+        (lambda p: lm.Symmetry("s", p.edge("x-"), (0, 0, 0)), r"Symmetry 's': axis = \(0\.0, 0\.0, 0\.0\); accepted"),
+        (
+            lambda p: lm.Symmetry("s", p.edge("x-"), direction(1, 0, 0.5)),
+            r"Symmetry 's': the lines of plate that cross edge plate\.x- meet the plane .* at 63\.4349 deg; accepted",
+        ),
+        (lambda p: lm.Diaphragm("s", p.edge("x-"), direction(0, 1, 0)), r"Diaphragm 's': edge plate\.x- leaves the plane"),
+        (
+            lambda p: lm.EdgeAverage("s", p.edge("x-"), to=p.corner("x+y+")),
+            r"EdgeAverage 's': plate\.x\+y\+ and plate\.x- are on one body",
+        ),
+        (
+            lambda p: lm.LinearConstraint(
+                "s", (lm.Component(p.corner("x-y-"), "x", 0.0), lm.Component(p.corner("x-y+"), "x", 0.0))
+            ),
+            r"LinearConstraint 's': nothing in it can move: 0 position of plate\.x-y-, 0 position of plate\.x-y\+; accepted",
+        ),
+        (
+            lambda p: lm.LinearConstraint("s", (lm.Component(p.corner("x-y-"), "x"), lm.Component(p.corner("x-y-"), "x", -1.0))),
+            r"LinearConstraint 's': nothing in it can move: 1 position of plate\.x-y-, -1 position",
+        ),
+        (
+            lambda p: lm.LinearConstraint("s", (lm.Component(lm.Plate("other", SIZE, (1, 1), SECTION).corner("x-y-"), "x"),)),
+            r"body 'other' is referred to but was not added",
+        ),
+        (lambda p: lm.LinearConstraint("s", (lm.Component(p.corner("x-y-"), (0, 0, 0)),)), r"LinearConstraint 's': axis = "),
+    ],
+)
+def test_joints_that_do_not_fit_the_reference_are_refused(make, message):
+    system, plate = lm.System(), make_plate()
+    system.add(plate)
+    system.add(make(plate))
+    with pytest.raises(LamellaError, match=message):
+        system.compile()
+
+
+def test_terms_on_the_ground_alone_and_slopes_of_the_ground_are_refused():
+    for of, message in (
+        ("position", "nothing in it can move: 1 position of ground.origin"),
+        ("slope_x", "ground.origin has no slope_x"),
+    ):
+        system, ground = lm.System(), lm.Ground()
+        system.add(make_plate())
+        system.add(ground)
+        system.add(lm.LinearConstraint("s", (lm.Component(ground.origin, "x", of=of),)))
+        with pytest.raises(DeclarationError, match=message):
+            system.compile()
+
+
+def test_mean_rotation_about_a_straight_edge_is_refused():
+    system, plate = lm.System(), lm.Plate("plate", SIZE, (1, 1), SECTION)
+    system.add(plate)
+    system.add(lm.EdgeAverage("s", plate.edge("y+"), rotations="x"))
+    with pytest.raises(
+        DeclarationError, match=r"EdgeAverage 's': the mean rotation of edge plate\.y\+ about x, on which it lies"
+    ):
+        system.compile()
 
 
 def test_points_that_coincide_cannot_be_held_apart():

@@ -180,3 +180,53 @@ def test_mechanisms_that_cannot_be(here, tmp_path: Path, other: str, said: str) 
     (tmp_path / "mechanism.yaml").write_text(MECHANISM.replace("OTHER", other))
     assert said in one_message(here("run", "mechanism.yaml", "--out", "out", "--no-pictures"))
     assert not list((tmp_path / "out").rglob("*"))  # nothing half-written stays
+
+
+EDGES = """\
+lamella: 1
+system:
+  ground: {type: ground}
+  panel:
+    type: plate
+    size: [1, 0.4]
+    mesh: [2, 1]
+    laminate: {ply: {type: isotropic, E: 70 GPa, nu: 0.3, rho: 2700}, thickness: 2 mm}
+    markers: {tip: [0.7, 0.1]}
+  root: {type: clamp, on: panel.x-}
+  OTHER
+analysis: {still: {type: statics}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        (
+            "middle: {type: symmetry, on: panel.y+, normal: x}",
+            "edge panel.y+ leaves the plane with the normal (1, 0, 0) by 0.5 m",
+        ),
+        (
+            "middle: {type: symmetry, on: panel.y+, normal: [0, 1, 1]}",
+            "meet the plane with the normal (0, 0.7071, 0.7071) at 45 deg",
+        ),
+        ("middle: {type: symmetry, on: panel.y+, normal: [0, 0, 0]}", "accepted is a direction of any length but zero"),
+        ("end: {type: diaphragm, on: panel.x+, normal: y}", "edge panel.x+ leaves the plane with the normal (0, 1, 0)"),
+        ("end: {type: edge_support, on: panel.x+, axes: xx}", "accepted are distinct letters of x, y and z"),
+        ("end: {type: edge_average, on: panel.x+, rotations: y}", "the mean rotation of edge panel.x+ about y, on which it lies"),
+        (
+            "hold: {type: linear_constraint, terms: [{on: panel.tip, axis: z, factor: 0}]}",
+            "nothing in it can move: 0 position of",
+        ),
+        (
+            "hold: {type: linear_constraint, terms: [{on: ground.origin, axis: z}]}",
+            "nothing in it can move: 1 position of ground.origin",
+        ),
+        (
+            "hold: {type: linear_constraint, terms: [{on: panel.x-y-, axis: z}], value: 0.1}",
+            "contradicts z of r at node 0 of edge panel.x-",
+        ),
+    ],
+)
+def test_supports_that_cannot_be(here, tmp_path: Path, other: str, said: str) -> None:
+    (tmp_path / "edges.yaml").write_text(EDGES.replace("OTHER", other))
+    assert said in " ".join(one_message(here("run", "edges.yaml", "--out", "out", "--no-pictures", "--quiet")).split())

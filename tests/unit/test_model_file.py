@@ -151,6 +151,90 @@ def test_the_kind_of_a_clamp_is_a_key_beside_its_type() -> None:
         loads(changed("{type: clamp, on: plate.x-}", "{type: clamp, on: plate.x-, kind: loose}"))
 
 
+SUPPORTS = """\
+lamella: 1
+system:
+  ground: {type: ground}
+  hub: {type: rigid_body, mass: 2, inertia: [1, 1, 1], position: [0, 0, 1], markers: {face: [0.1, 0, 0]}}
+  panel:
+    type: plate
+    size: [1, 0.2]
+    mesh: [2, 1]
+    laminate: {ply: {type: isotropic, E: 70 GPa, nu: 0.3, rho: 2700}, thickness: 2 mm}
+    markers: {tip: [0.7, 0.1]}
+  middle: {type: symmetry, on: panel.y+, normal: y}
+  end: {type: diaphragm, on: panel.x+, normal: [1, 0, 0.5]}
+  foot: {type: edge_support, on: panel.y-, axes: xz, rotation: [0, 0, 30 deg], motion: {z: {kind: ramp, t_end: 1 s, end: 0.1}}}
+  mean: {type: edge_average, on: panel.x-, rotations: yz, to: hub.face}
+  space: {type: edge_average, on: panel.x-, axes: x, motion: {x: 0.5}}
+  lever:
+    type: linear_constraint
+    terms:
+      - {on: panel.tip, axis: z, factor: 2}
+      - {on: panel.x+y+, axis: [0, 1, 1], factor: -0.5, of: slope_x}
+      - {on: hub.origin, axis: x}
+    value: 0.25
+    absolute: true
+"""
+
+
+def test_supports_of_edges_and_linear_constraints_are_read_and_written() -> None:
+    system = loads(SUPPORTS).system
+    items = {item.name: item for item in system.declarations}
+    panel, hub = items["panel"], items["hub"]
+    assert (items["middle"].on.body, items["middle"].on.side, items["middle"].normal) == (panel, "y+", "y")
+    assert items["end"].normal == (1.0, 0.0, 0.5)
+    assert items["foot"].rotation == pytest.approx((0.0, 0.0, 0.5235987755982988))
+    assert items["foot"].motion == {"z": lm.Ramp(t_end=1.0, end=0.1)}
+    assert (items["mean"].axes, items["mean"].rotations, items["mean"].to) == ("xyz", "yz", hub.marker("face", 0.1, 0, 0))
+    assert (items["space"].to, items["space"].motion) == (None, {"x": lm.Constant(0.5)})
+    tip, corner = panel.marker("tip", 0.7, 0.1), panel.corner("x+y+")
+    assert items["lever"] == lm.LinearConstraint(
+        "lever",
+        (
+            lm.Component(tip, "z", 2.0),
+            lm.Component(corner, (0.0, 1.0, 1.0), -0.5, "slope_x"),
+            lm.Component(hub.origin, "x"),
+        ),
+        lm.Constant(0.25),
+        absolute=True,
+    )
+    text = dumps(system)
+    assert loads(text).text() == text
+    again = {item.name: item for item in loads(text).system.declarations}
+    assert again["lever"] == items["lever"]
+    assert again["foot"].motion == items["foot"].motion
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "said"),
+    [
+        ("normal: y}", "normal: w}", "system.middle.normal", "x, y, z"),
+        ("normal: y}", "normal: [0, 1]}", "system.middle.normal", "the list has 2 items; accepted are 3"),
+        ("on: panel.y+,", "on: panel.tip,", "system.middle.on", "'panel.tip' is a marker; accepted is an edge"),
+        ("to: hub.face", "to: panel.y-", "system.mean.to", "'panel.y-' is an edge; accepted is a marker"),
+        ("axes: xz", "axes: xw", "system.foot.axes", "axes 'xw'; accepted are distinct letters"),
+        ("axes: xz", "axes: xy", "system.foot.motion", "a motion along z of an edge held along x, y"),
+        ("on: panel.tip, axis: z", "on: panle.tip, axis: z", "system.lever.terms[0].on", "did you mean 'panel'?"),
+        ("factor: 2}", "factr: 2}", "system.lever.terms[0].factr", "did you mean 'factor'?"),
+        ("of: slope_x", "of: slope", "system.lever.terms[1].of", "accepted are position, slope_x, slope_y"),
+        ("axis: x}", "axis: r}", "system.lever.terms[2].axis", "x, y, z"),
+    ],
+)
+def test_message_about_supports_and_constraints(old: str, new: str, key: str, said: str) -> None:
+    assert SUPPORTS.count(old) == 1
+    message = refused(SUPPORTS.replace(old, new))
+    assert f", {key}: " in message
+    assert said in message
+
+
+def test_constraint_without_terms_is_refused() -> None:
+    first = SUPPORTS.index("    terms:")
+    message = refused(SUPPORTS[:first] + "    terms: []\n")
+    assert "system.lever" in message
+    assert "terms" in message
+
+
 @pytest.mark.parametrize(
     ("old", "new", "key", "said"),
     [

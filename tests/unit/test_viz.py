@@ -402,9 +402,7 @@ def test_camera_sees_everything_and_z_is_up(view: Any) -> None:
 
 def test_painter_hides_what_is_behind() -> None:
     x, y = np.meshgrid([0.0, 1.0], [0.0, 1.0])
-    lower, upper = (
-        Sheet(np.stack([x, y, z + 0 * x], -1), np.full((2, 2), v), [], []) for z, v in ((0, 0.0), (1, 1.0))
-    )
+    lower, upper = (Sheet(np.stack([x, y, z + 0 * x], -1), np.full((2, 2), v), [], []) for z, v in ((0, 0.0), (1, 1.0)))
     camera = fit_camera(upper.points.reshape(-1, 3), "top")
     painter = Painter(camera, ColourScale("viridis", 0.0, 1.0), (40, 40))
     for order in ([lower, upper], [upper, lower]):

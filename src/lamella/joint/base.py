@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from lamella.measure.measure import Term, angle, slide
 from lamella.roles import Declaration, Floats
 
 Direction = tuple[units.Number, units.Number, units.Number]
+
+Axis = Literal["x", "y", "z"] | Direction
+"""A direction in the inertial frame: one of its axes by its letter, or a vector of any length."""
 
 
 class Joint(Declaration):
@@ -101,6 +104,12 @@ class AxisJoint(Joint):
 
     def axes(self) -> Floats:
         return axes_along(self.item, self.axis)
+
+
+def axes_with(item: str, axis: Axis) -> Floats:
+    """Orthonormal axes as columns, shape (3, 3), whose z is along a direction."""
+    x, y, z = np.eye(3)["xyz".index(axis)].tolist() if isinstance(axis, str) else axis
+    return axes_along(item, (x, y, z))
 
 
 def point_frame(build: Build, marker: Marker, axes: Floats) -> Frame:

@@ -56,7 +56,7 @@ class Clamp(Declaration):
         else:
             x, y, z = (VectorRows.fixed(axis) for axis in np.eye(3))
             space = Frame(VectorRows.fixed(np.zeros(3)), (x, y, z))
-            rows = clamped_rows(build, self.on, space, self.kind, "in space", self.motion)
+            rows = clamped_rows(f"Clamp '{self.name}'", build, self.on, space, self.kind, "in space", self.motion)
             if self.kind == "full":
                 build.fully_clamped.append((self.name, self.on.body.name))
         build.hold(self.name, rows, centre(build, self.on), edge=not isinstance(self.on, Marker))

@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from lamella.body.mesh import PlateMesh
 from lamella.body.plate import Edge
 from lamella.body.plate_frame import vanishing
-from lamella.body.rigid_frame import Axes, turned
 from lamella.dofs import Build, DotRow, Motion
-from lamella.joint.edge_rows import node_vectors
+from lamella.errors import DeclarationError
+from lamella.joint.edge_axes import EdgeAxes, edge_axes
+from lamella.joint.edge_rows import ROUNDING, edge_mean, node_vectors
 from lamella.joint.equations import Rows
+from lamella.joint.motion_sum import MotionSum
+from lamella.joint.rows import carried
 from lamella.kinematics import Frame, VectorRows
-from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats
 
 Clamping = Literal["full", "restrained", "sliding"]
-"""How firmly an edge is clamped. With the clamp's directions e_s along the edge, e_t across it and e_n normal to the plate, and
-the plate's slopes r_s and r_t along and across the edge:
+"""How firmly an edge is clamped. With the directions e_s along the edge, e_t across it and e_n normal to the plate at each node,
+and the plate's slopes r_s and r_t along and across the edge:
 
 - ``full``: r, r_s, r_t and r_xy of every node. This holds the strain at the edge at zero, more than a clamp does.
-- ``restrained``: r and r_s, and r_t and r_xy along e_n. The edge keeps its place and its normal, and what crosses it may strain
-  in the plane, as in the boundary value problem of a clamped plate.
+- ``restrained``: r and r_s, and e_n.r_t and its derivative along the edge, e_n.r_xy + e_n'.r_t. The edge keeps its place and its
+  normal, and what crosses it may strain in the plane, as in the boundary value problem of a clamped plate.
 - ``sliding``: r and r_s along e_t and e_n, r_t and r_xy along e_n, and the mean of r over the edge along e_s. The edge stays
   straight and keeps its normal, and grows or shrinks along itself. A load along the edge is carried by an even shear.
 """
@@ -39,36 +40,14 @@ _HELD: dict[Clamping, dict[str, str]] = {
 _WORDS = {"s": "component along the edge", "t": "component across the edge", "n": "normal component"}
 
 
-@dataclass(frozen=True)
-class DirectedMotion:
-    """The component sum_k e_k m_k(t) of a motion along a direction e.
-
-    Args:
-        parts: pairs (e_k, m_k).
-    """
-
-    parts: tuple[tuple[float, Motion], ...]
-
-    def value(self, t: float) -> float:
-        """Displacement [m]."""
-        return sum(e * motion.value(t) for e, motion in self.parts)
-
-    def rate(self, t: float) -> float:
-        """Velocity [m/s]."""
-        return sum(e * motion.rate(t) for e, motion in self.parts)
-
-    def acceleration(self, t: float) -> float:
-        """Acceleration [m/s^2]."""
-        return sum(e * motion.acceleration(t) for e, motion in self.parts)
-
-    @property
-    def breakpoints(self) -> tuple[float, ...]:
-        """Times [s] at which the value or a derivative jumps."""
-        return tuple(sorted({t for _, motion in self.parts for t in motion.breakpoints}))
-
-
 def clamped_rows(
-    build: Build, edge: Edge, frame: Frame, kind: Clamping, where: str, motions: Mapping[str, Motion] | None = None
+    item: str,
+    build: Build,
+    edge: Edge,
+    frame: Frame,
+    kind: Clamping,
+    where: str,
+    motions: Mapping[str, Motion] | None = None,
 ) -> Rows:
     """The rows that clamp an edge in a frame, where it stands in the reference configuration.
 
@@ -76,74 +55,65 @@ def clamped_rows(
     and axes of the frame. A rigid plate has no strain to leave free, so every kind holds it as ``full`` does.
 
     Args:
+        item: what clamps it, for messages.
         build: the build.
         edge: the edge.
         frame: what it is clamped to.
         kind: how firmly.
         where: the frame in words, for messages.
         motions: displacements [m] along x, y, z, for a frame whose axes are the inertial ones.
+
+    Raises:
+        DeclarationError: an edge that is not straight is to slide along itself.
     """
-    mesh, motions = edge.body.compiled(build), motions or {}
+    mesh, motions, initial = edge.body.compiled(build), motions or {}, build.initial
     held = _HELD["full" if mesh.strain == "rigid" else kind]
-    directions = _directions(build, mesh, edge, frame)
-    motion_along = {letter: _motion_along(axis.at(build.initial), motions) for letter, axis in directions.items()}
     roles = dict(zip(mesh.edge_slope(edge.side), ("along", "across"), strict=True))
+    axes = edge_axes(mesh, edge, initial)
+    if held["r"] != "all":
+        _check_straight(item, edge, axes)
+        axes = dict.fromkeys(axes, next(iter(axes.values())))  # rounding apart they are the same
     rows: Rows = []
 
-    def hold_along(letter: str, vector: VectorRows, label: str, *, moves: bool) -> None:
-        axis = directions[letter]
-        value = float(vector.at(build.initial) @ axis.at(build.initial))
-        motion = motion_along[letter] if moves else None
-        rows.append(DotRow(f"{_WORDS[letter]} of {label}", ((1.0, vector, axis),), value, motion))
+    def hold_along(direction: Floats, vector: VectorRows, label: str, *, moves: bool) -> None:
+        axis = carried(initial, direction, frame)
+        value = float(vector.at(initial) @ axis.at(initial))
+        rows.append(DotRow(label, ((1.0, vector, axis),), value, _motion_along(direction, motions) if moves else None))
 
-    for (node, name), vector in node_vectors(mesh, edge).items():
+    vectors = node_vectors(mesh, edge)
+    for (node, name), vector in vectors.items():
         position, label = name == "r", f"{name} at node {node} of edge {edge} {where}"
-        moved = vector - frame.origin if position else vector
+        moved, at = vector - frame.origin if position else vector, axes[node]
         letters = held[roles.get(name, name)]
         if letters == "all":
-            fixed = vanishing(moved - _standing(build, moved, frame), label)
+            fixed = vanishing(moved - carried(initial, moved.at(initial), frame), label)
             rows += [replace(row, motion=motions.get(axis) if position else None) for row, axis in zip(fixed, "xyz", strict=True)]
+        elif name == "r_xy" and np.any(at.n_s):
+            n, n_s = carried(initial, at.n, frame), carried(initial, at.n_s, frame)
+            across = vectors[node, mesh.edge_slope(edge.side)[1]]
+            rows.append(DotRow(f"{_WORDS['n']} of {label}", ((1.0, vector, n), (1.0, across, n_s))))
         else:
             for letter in letters:
-                hold_along(letter, moved, label, moves=position)
+                hold_along(getattr(at, letter), moved, f"{_WORDS[letter]} of {label}", moves=position)
     if held["r"] != "all":
-        hold_along("s", _mean(mesh, edge) - frame.origin, f"the mean position of edge {edge} {where}", moves=True)
+        mean, (first, *_) = edge_mean(mesh, edge, initial), axes.values()
+        label = f"{_WORDS['s']} of the mean position of edge {edge} {where}"
+        hold_along(first.s, mean - frame.origin, label, moves=True)
     return rows
 
 
-def _standing(build: Build, vector: VectorRows, frame: Frame) -> VectorRows:
-    """A vector with constant components in a frame: those that the given one has in the reference configuration."""
-    components = frame.rotation(build.initial).T @ vector.at(build.initial)
-    fixed = VectorRows.fixed(np.zeros(3))
-    for c, axis in zip(components.tolist(), frame.axes, strict=True):
-        if c:
-            fixed += c * axis
-    return fixed
+def _check_straight(item: str, edge: Edge, axes: Mapping[int, EdgeAxes]) -> None:
+    """An edge slides along itself only where that is one direction, and its normal does not turn on the way."""
+    first, *others = axes.values()
+    turn = max(float(np.linalg.norm(v - w)) for at in others for v, w in ((at.s, first.s), (at.n, first.n)))
+    if turn > ROUNDING:
+        raise DeclarationError(
+            item,
+            f"kind 'sliding' of edge {edge}, along which tangent or normal turn by {np.degrees(turn):.3g} deg",
+            "accepted are straight edges with one normal, or the kinds 'full' and 'restrained'",
+        )
 
 
-def _directions(build: Build, mesh: PlateMesh, edge: Edge, frame: Frame) -> dict[str, VectorRows]:
-    """e_s, e_t and e_n in the frame, by the letters s, t and n. Edges of plates are straight in the reference configuration."""
-    node = int(mesh.edge_nodes(edge.side)[0])
-    slopes = {name: build.initial[mesh.vector(node, name)] for name in ("r_x", "r_y")}
-    along = slopes[mesh.edge_slope(edge.side)[0]]
-    normal = np.cross(slopes["r_x"], slopes["r_y"])
-    across = np.cross(along, normal)
-    columns = np.stack([vector / np.linalg.norm(vector) for vector in (along, across, normal)], axis=1)
-    axes: Axes = turned(frame.axes, frame.rotation(build.initial).T @ columns)
-    return dict(zip("stn", axes, strict=True))
-
-
-def _mean(mesh: PlateMesh, edge: Edge) -> VectorRows:
-    """The mean position of an edge, exact for the cubic curve it is in each element."""
-    places, weights = gauss_rule(2)
-    points, _ = mesh.edge_points(edge.side, places)
-    n_element = len(points) // len(places)
-    mean = VectorRows.fixed(np.zeros(3))
-    for point, weight in zip(points, np.tile(weights, n_element), strict=True):
-        mean += weight / n_element * mesh.locate(point).point
-    return mean
-
-
-def _motion_along(direction: Floats, motions: Mapping[str, Motion]) -> DirectedMotion | None:
+def _motion_along(direction: Floats, motions: Mapping[str, Motion]) -> MotionSum | None:
     parts = tuple((float(e), motions[axis]) for e, axis in zip(direction, "xyz", strict=True) if axis in motions and e)
-    return DirectedMotion(parts) if parts else None
+    return MotionSum(parts) if parts else None

@@ -57,7 +57,7 @@ class FixedJoint(Joint):
             if self.a.body.name == self.b.body.name:
                 raise DeclarationError(self.item, f"{self.a} and {self.b} are on one body", "accepted are places of two bodies")
             frame = self.a.frame(build, self.axes())
-            rows = clamped_rows(build, self.b, frame, self.kind, f"in the frame of {self.a}")
+            rows = clamped_rows(self.item, build, self.b, frame, self.kind, f"in the frame of {self.a}")
             build.hold(self.name, rows, centre(build, self.b), self.b.body.name, frame, edge=True)
             if self.kind == "full":
                 build.fully_clamped.append((self.name, self.b.body.name))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from lamella import units
 from lamella.body.plate import Edge
 from lamella.body.plate_frame import vanishing
@@ -35,7 +37,8 @@ class EdgeHinge(Declaration):
         name: unique name.
         a: edge of a plate.
         b: edge of another plate that coincides with a in the reference configuration.
-        points: lengths along a's edge at which the plates are joined [m]; the whole edge when left out.
+        points: parameters (lengths on a flat plate) along a's edge at which the plates are joined [m]; the whole edge when left
+            out.
     """
 
     name: str
@@ -56,15 +59,17 @@ class EdgeHinge(Declaration):
         build.signals.extend(angle_signals(self.name, self.turns_at(pair, (0.5,))[0]))
 
     def turns_of(self, build: Build) -> list[Term]:
-        """The hinge's angle at Gauss points along the edge, or at the points of the hinge, as terms whose factors sum to 1."""
+        """The hinge's angle as terms whose factors sum to 1: at its points, or at Gauss points weighed by reference length."""
         pair = edge_pair(self.item, build, self.a, self.b)
         if self.points is not None:
             return self.turns_at(pair, tuple(s / pair.length for s in self.points))
         places, weights = gauss_rule(2)
         spans = list(zip(pair.nodes[:-1] / pair.length, pair.nodes[1:] / pair.length, strict=True))
         turns = self.turns_at(pair, tuple(lo + (hi - lo) * place for lo, hi in spans for place in places))
-        shares = [weight * (hi - lo) for lo, hi in spans for weight in weights]
-        return [replace(turn, factor=share) for turn, share in zip(turns, shares, strict=True)]
+        parameters = [weight * (hi - lo) for lo, hi in spans for weight in weights]
+        initial = build.initial
+        lengths = [ds * np.linalg.norm(turn.vectors[2].at(initial)) for ds, turn in zip(parameters, turns, strict=True)]
+        return [replace(turn, factor=float(ds / sum(lengths))) for ds, turn in zip(lengths, turns, strict=True)]
 
     def turns_at(self, pair: EdgePair, places: tuple[float, ...]) -> list[Term]:
         """What turns at relative places in [0, 1] along a's edge: outward of a into inward of b, about the edge."""
@@ -83,21 +88,14 @@ class EdgeHinge(Declaration):
                     f"the meshes of {self.a} and {self.b} do not fit each other",
                     "accepted are edges with the same number of elements, or one a multiple of the other",
                 )
-            sign = -1.0 if pair.reversed else 1.0
             rows: Rows = []
-            for s in pair.nodes:
-                on_a, on_b = pair.on_a(float(s)), pair.on_b(float(s))
+            for s in pair.nodes.tolist():
                 label = f"{self.a} and {self.b} at {s:g} m"
-                rows += vanishing(on_b.point - on_a.point, f"the distance of {label}")
-                tangent_a, tangent_b = (along_and_outward(e, r)[0] for e, r in ((self.a, on_a), (self.b, on_b)))
-                rows += vanishing(sign * tangent_b - tangent_a, f"the tangents of {label}")
+                rows += vanishing(pair.gap(s), f"the distance of {label}")
+                rows += vanishing(pair.tangent_gap(s), f"the tangents of {label}")
             return rows
         if not self.points or not all(0.0 <= s <= pair.length for s in self.points) or len(set(self.points)) < len(self.points):
             raise DeclarationError(
                 self.item, f"points = {list(self.points)}", f"accepted are distinct lengths from 0 to {pair.length:g} m"
             )
-        return [
-            row
-            for s in self.points
-            for row in vanishing(pair.on_b(s).point - pair.on_a(s).point, f"the distance of {self.a} and {self.b} at {s:g} m")
-        ]
+        return [row for s in self.points for row in vanishing(pair.gap(s), f"the distance of {self.a} and {self.b} at {s:g} m")]

@@ -8,8 +8,9 @@ import numpy as np
 
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
-from lamella.dofs import Build, LinearRow, Motion
-from lamella.kinematics import VectorRows
+from lamella.dofs import Build, DotRow, LinearRow, Motion
+from lamella.kinematics import Frame, VectorRows
+from lamella.roles import Floats
 
 AXES = "xyz"
 
@@ -35,15 +36,43 @@ def hold_point(
     ]
 
 
-def hold_edge(build: Build, edge: Edge, names: tuple[str, ...], axes: str) -> list[LinearRow]:
-    """Hold components of the named nodal vectors at all nodes of an edge at their reference values."""
+def hold_edge(
+    build: Build,
+    edge: Edge,
+    name: str,
+    directions: Mapping[str, Floats],
+    values: Mapping[str, float] | None = None,
+    motions: Mapping[str, Motion] | None = None,
+) -> list[DotRow]:
+    """Hold components of the vector ``name`` of every node of an edge.
+
+    Args:
+        build: the build.
+        edge: the edge.
+        name: the nodal vector.
+        directions: unit vectors along which it is held, by what messages call them.
+        values: what the components are held at; those of the reference configuration when left out.
+        motions: what is added to them, by direction.
+    """
     mesh = edge.body.compiled(build)
-    vectors = [(mesh.vector(int(node), name), f"{name} at node {node}") for node in mesh.edge_nodes(edge.side) for name in names]
-    return [
-        LinearRow(f"{axis} of {label} of edge {edge}", np.array([3 * vector + c]), np.ones(1), float(build.initial[vector, c]))
-        for vector, label in vectors
-        for axis, c in ((axis, AXES.index(axis)) for axis in axes)
-    ]
+    rows = []
+    for node in mesh.edge_nodes(edge.side):
+        vector = VectorRows.single(mesh.vector(int(node), name))
+        for axis, direction in directions.items():
+            value = float(direction @ vector.at(build.initial)) if values is None else values[axis]
+            terms = ((1.0, vector, VectorRows.fixed(direction)),)
+            rows.append(DotRow(f"{axis} of {name} at node {node} of edge {edge}", terms, value, (motions or {}).get(axis)))
+    return rows
+
+
+def carried(initial: Floats, value: Floats, frame: Frame) -> VectorRows:
+    """A vector with constant components in a frame that has the given value in the reference configuration."""
+    components = frame.rotation(initial).T @ value
+    carried = VectorRows.fixed(np.zeros(3))
+    for c, axis in zip(components.tolist(), frame.axes, strict=True):
+        if abs(c) > 1e-15 * np.abs(components).max():  # a vector along an axis shall be that axis
+            carried += c * axis
+    return carried
 
 
 def centre(build: Build, on: Edge | Marker) -> VectorRows:

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+from pydantic import Field
+
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
 from lamella.declaration import declaration
 from lamella.dofs import Build
+from lamella.errors import DeclarationError
 from lamella.joint.clamp import check_axes
-from lamella.joint.rows import centre, hold_edge, hold_point
+from lamella.joint.rows import AXES, centre, hold_edge, hold_point
 from lamella.math.profile import Profile
+from lamella.math.rotation import matrix_from_vector
 from lamella.roles import Declaration
+from lamella.units import Angle
 
 
 @declaration
@@ -38,27 +44,41 @@ class PointSupport(Declaration):
 
 @declaration
 class EdgeSupport(Declaration):
-    """Hold components of the position along a whole edge; rotation about the edge is free (simple support).
+    """Hold components of the position along a whole edge; rotation about the edge is free (simple support, hinged edge).
 
-    Position and tangential slope of every node on the edge are held, so the cubic edge stays straight in those components.
+    Position and tangential slope of every node on the edge are held, so the cubic edge keeps its line in those components. The
+    axes are the inertial ones, or oblique ones turned from them. A support that moves carries the edge without turning it.
 
     Args:
         name: unique name; the result holds ``<name>.force`` [N] and ``<name>.torque`` [N m] about the middle of the edge.
         on: the edge.
         axes: letters of the components held.
+        rotation: rotation vector that turns the support's axes from the inertial ones [rad].
+        motion: displacement [m] of the support along its axes, each a function of time; these axes must be held.
     """
 
     name: str
     on: Edge
     axes: str = "xyz"
+    rotation: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    motion: dict[str, Profile] = Field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_axes(self, self.axes)
+        if not set(self.motion) <= set(self.axes):
+            raise DeclarationError(
+                f"EdgeSupport '{self.name}'",
+                f"a motion along {', '.join(sorted(self.motion))} of an edge held along {', '.join(self.axes)}",
+                "accepted are motions along axes that are held",
+            )
 
     def contribute(self, build: Build) -> None:
         """Hold position and tangential slope at the edge's nodes."""
+        turn = matrix_from_vector(np.asarray(self.rotation))
+        held = {axis: turn[:, AXES.index(axis)] for axis in self.axes}
         along, _ = self.on.body.compiled(build).edge_slope(self.on.side)
-        build.hold(self.name, hold_edge(build, self.on, ("r", along), self.axes), centre(build, self.on), edge=True)
+        rows = [*hold_edge(build, self.on, "r", held, motions=self.motion), *hold_edge(build, self.on, along, held)]
+        build.hold(self.name, rows, centre(build, self.on), edge=True)
 
 
 @declaration

@@ -9,17 +9,16 @@ import numpy as np
 from lamella import units
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
+from lamella.body.quadrature import edge_quadrature, surface_integrals
 from lamella.body.shell_body import ShellBody
 from lamella.declaration import declaration
 from lamella.load.dead import add_dead_load
 from lamella.load.follower import FollowerForceBlock
 from lamella.load.record import add_load
-from lamella.math.gauss import gauss_rule
 from lamella.math.profile import Constant, Profile
-from lamella.roles import Declaration, Floats
+from lamella.roles import Declaration
 
 if TYPE_CHECKING:
-    from lamella.body.mesh import PlateMesh
     from lamella.dofs import Build
 
 
@@ -72,11 +71,11 @@ class EdgeForce(Declaration):
     profile: Profile = Constant(1.0)
 
     def contribute(self, build: Build) -> None:
-        """Integrate the edge with Gauss points exact for the cubic shape functions."""
-        mesh = self.on.body.compiled(build)
-        places, weights = gauss_rule(2)
-        points, length = mesh.edge_points(self.on.side, places)
-        _distribute(build, self.name, mesh, points, np.resize(weights, len(points)) * length, self.force, self.profile)
+        """Integrate the edge by its length in the reference configuration."""
+        rows, weights = edge_quadrature(self.on.body.compiled(build), self.on.side, build.initial)
+        vectors = np.concatenate([row.vectors for row in rows])
+        lengths = np.concatenate([weight * row.position for weight, row in zip(weights.reshape(-1), rows, strict=True)])
+        add_dead_load(build, self.name, vectors, np.outer(lengths, self.force), self.profile)
 
 
 @declaration
@@ -96,27 +95,6 @@ class SurfaceForce(Declaration):
     profile: Profile = Constant(1.0)
 
     def contribute(self, build: Build) -> None:
-        """Integrate the plate with Gauss points exact for the bicubic shape functions."""
-        mesh = self.on.compiled(build)
-        places, weights = gauss_rule(2)
-        xi = ((np.arange(mesh.nx)[:, None] + places) * mesh.lx).reshape(-1)
-        eta = ((np.arange(mesh.ny)[:, None] + places) * mesh.ly).reshape(-1)
-        points = [(float(x), float(y)) for y in eta for x in xi]
-        areas = np.outer(np.resize(weights, len(eta)), np.resize(weights, len(xi))).reshape(-1) * mesh.lx * mesh.ly
-        _distribute(build, self.name, mesh, points, areas, self.force, self.profile)
-
-
-def _distribute(
-    build: Build,
-    name: str,
-    mesh: PlateMesh,
-    points: list[tuple[float, float]],
-    weights: Floats,
-    force: tuple[float, float, float],
-    profile: Profile,
-) -> None:
-    """Add sum_p weight_p S(point_p)^T force."""
-    rows = [mesh.locate(point) for point in points]
-    vectors = np.concatenate([row.vectors for row in rows])
-    shares = np.concatenate([weight * row.position for weight, row in zip(weights, rows, strict=True)])
-    add_dead_load(build, name, vectors, np.outer(shares, force), profile)
+        """Integrate the plate by its area in the reference configuration."""
+        vectors, areas = surface_integrals(self.on.compiled(build), build.initial)
+        add_dead_load(build, self.name, vectors.reshape(-1), np.outer(areas, self.force), self.profile)

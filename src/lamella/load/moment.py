@@ -9,19 +9,17 @@ import numpy as np
 from lamella import units
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
+from lamella.body.quadrature import N_GAUSS, edge_quadrature
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.load.moment_block import MomentBlock
 from lamella.load.moment_kernels import ALONG_X, ALONG_Y, FIXED, MATERIAL
 from lamella.load.record import add_load
-from lamella.math.gauss import gauss_rule
 from lamella.math.profile import Constant, Profile
 from lamella.roles import Declaration
 
 if TYPE_CHECKING:
     from lamella.dofs import Build
-
-N_GAUSS = 4
 
 
 @declaration
@@ -60,7 +58,7 @@ class PointMoment(Declaration):
                 "accepted is a marker of a plate or a rigid body",
             )
         kind = MATERIAL if self.follower else FIXED
-        add_load(build, MomentBlock(self.name, [[rows]], np.ones(1), kind, self.moment, self.profile), self.profile)
+        add_load(build, MomentBlock(self.name, [[rows]], np.ones((1, 1)), kind, self.moment, self.profile), self.profile)
 
 
 @declaration
@@ -93,14 +91,11 @@ class EdgeMoment(Declaration):
             raise ValueError(f"{given} given; accepted is one of them")
 
     def contribute(self, build: Build) -> None:
-        """Integrate the edge with four Gauss points per element, exact where the edge turns as a rigid body."""
-        mesh = self.on.body.compiled(build)
-        places, weights = gauss_rule(N_GAUSS)
-        points, length = mesh.edge_points(self.on.side, places)
-        rows = [mesh.locate(point) for point in points]
+        """Integrate the edge by its length in the reference configuration, exact where a straight edge turns as a rigid body."""
+        rows, weights = edge_quadrature(self.on.body.compiled(build), self.on.side, build.initial)
         groups = [rows[first : first + N_GAUSS] for first in range(0, len(rows), N_GAUSS)]
         if self.moment is not None:
             kind, components = (MATERIAL if self.follower else FIXED), self.moment
         else:
             kind, components = (ALONG_Y if self.on.side[0] == "x" else ALONG_X), (self.bending or 0.0, 0.0, 0.0)
-        add_load(build, MomentBlock(self.name, groups, weights * length, kind, components, self.profile), self.profile)
+        add_load(build, MomentBlock(self.name, groups, weights, kind, components, self.profile), self.profile)

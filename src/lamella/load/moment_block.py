@@ -27,7 +27,7 @@ class MomentBlock(ForceBlock):
     Args:
         name: the load's name.
         groups: the points of each group; all groups have the same number of points.
-        weights: weight of each point of a group (length per point along an edge), shape (n_points,).
+        weights: weight of each point of each group (reference length per point along an edge), shape (n_groups, n_points).
         kind: what the components refer to, see :mod:`lamella.load.moment_kernels`.
         components: moment [N m], or per length [N].
         profile: the factor p(t).
@@ -45,7 +45,7 @@ class MomentBlock(ForceBlock):
         slopes = np.stack([rows for _, rows in found])  # group, point, tangent, vector
         n_groups, n_points, _, n = slopes.shape
         self._slopes = slopes.reshape(n_groups, 2 * n_points, n)
-        shares = slopes * weights[:, None, None]
+        shares = slopes * weights[:, :, None, None]
         self._shares = np.ascontiguousarray(shares.reshape(n_groups, 2 * n_points, n).swapaxes(1, 2))
         pairs = np.einsum("gpia,gpjb->gabpij", shares, slopes)
         self._pairs = np.ascontiguousarray(pairs.reshape(n_groups, n * n, 4 * n_points))

@@ -88,8 +88,8 @@ def _projected(item: str, direction: Floats, places: Floats, n0: Floats) -> Floa
     if len(bad):
         at = ", ".join(f"{x:.4g}" for x in places[tuple(bad[0])])
         raise ModelError(
-            f"{item}: the ply direction ({', '.join(f'{x:g}' for x in vector)}) is normal to the surface near ({at}) m in element "
-            f"{bad[0, 0]}; accepted is a direction with a projection on the surface everywhere"
+            f"{item}: the ply direction ({', '.join(f'{x:g}' for x in vector)}) is normal to the surface near ({at}) m in "
+            f"element {bad[0, 0]}; accepted is a direction with a projection on the surface everywhere"
         )
     return axis
 
