@@ -66,6 +66,20 @@ def test_derivatives_of_the_shape_functions(element):
         np.testing.assert_allclose(element.shape(0.3, 0.8)[d], numeric, atol=1e-12)
 
 
+def test_what_is_continuous_across_an_edge(element, rng):
+    """Position, and for conforming elements the slope across it; others share it at the nodes at most."""
+    mesh, s = patch(element, [0.0, 0.5, 0.8], [0.0, 0.4]), np.linspace(0.0, 1.0, 11)
+    q = deformed(mesh, rng, 1.0)
+    left, right = (
+        np.einsum("dns,sc->dnc", element.shape(np.full_like(s, xi), s), (q * scale).reshape(-1, 3)) / scale[3]
+        for q, scale, xi in zip(q[mesh.coords], mesh.scale, (1.0, 0.0), strict=True)
+    )
+    np.testing.assert_allclose(mesh.scale[0, 3] * left[0], mesh.scale[1, 3] * right[0], atol=1e-14)
+    jump = np.abs(left[1] - right[1])
+    assert jump[[0, -1]].max() < 1e-13  # the slopes of nodes are theirs alone
+    assert (jump.max() < 1e-13) == element.conforming
+
+
 def test_magnitudes_and_scales_follow_the_derivatives(element):
     assert element.magnitudes(2.0)[0] == 2.0
     assert element.magnitudes(2.0)[1] == 1.0
@@ -127,6 +141,24 @@ def test_constant_membrane_strain_is_in_balance_inside_the_patch(element, rng):
     f = gathered_force(exact(mesh, rng), (mesh.rest.reshape(-1, 3) @ F.T).reshape(-1))
     inner = np.repeat([0 < x < XS[-1] and 0 < y < YS[-1] for x, y in mesh.nodes], 3 * element.vectors_per_node)
     assert np.abs(f[inner]).max() < 1e-13 * np.abs(f).max()
+
+
+def test_constant_curvature_is_in_balance_inside_the_patch(element, rng):
+    """The patch test of bending; elements that are not conforming pass it where they are rectangles."""
+    K = rng.standard_normal((2, 2))
+    K = K + K.T
+
+    def bent(x, y):
+        z_x, z_y = K @ [x, y]
+        return {"r": (x, y, 0.5 * (z_x * x + z_y * y)), "r_x": (1, 0, z_x), "r_y": (0, 1, z_y), "r_xy": (0, 0, K[0, 1])}
+
+    mesh, C = patch(element, XS, YS), section(rng)
+    block, q = SHELLS[element.name].strain_models["linear"]("plate", *mesh.tables, C), patch(element, XS, YS, bent).rest
+    f = gathered_force(block, q)
+    inner = np.repeat([0 < x < XS[-1] and 0 < y < YS[-1] for x, y in mesh.nodes], 3 * element.vectors_per_node)
+    assert np.abs(f[inner]).max() < 1e-12 * np.abs(f).max()
+    kap = np.array([K[0, 0], K[1, 1], 2 * K[0, 1]])
+    assert block.energy(0.0, q) == pytest.approx(0.5 * kap @ C[3:, 3:] @ kap * XS[-1] * YS[-1], rel=1e-12)
 
 
 def test_small_constant_curvature_is_reproduced(element, rng):
