@@ -16,6 +16,12 @@ slow = False
 
 Element = Literal["plate36", "plate48"]
 ELEMENTS: tuple[Element, ...] = ("plate48", "plate36")
+ROLLED: tuple[tuple[Element, tuple[int, int]], ...] = (
+    ("plate48", (16, 1)),
+    ("plate36", (16, 1)),
+    ("plate36", (64, 1)),
+    ("plate36", (16, 2)),
+)
 SIDES = ("x-", "x+", "y-", "y+")
 PRECISE = lm.Newton(tolerance=1e-12, keep=0.0)
 
@@ -41,7 +47,7 @@ def run() -> Iterator[Check]:
             check = references.check(f"clamped strip, mesh 8 x 1: {quantity}", value)
             yield replace(check, quantity=f"{check.quantity}, {element}")
     circle = rolled("plate48", (64, 1))
-    for element, mesh in (("plate48", (16, 1)), ("plate36", (16, 1)), ("plate36", (64, 1)), ("plate36", (16, 2))):
+    for element, mesh in ROLLED:
         error = np.abs(rolled(element, mesh) - circle).max()
         yield references.check(f"strip rolled up, {element}, mesh {mesh[0]} x {mesh[1]}: error of the tip over L", error)
 
