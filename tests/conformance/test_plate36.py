@@ -11,6 +11,7 @@ from lamella.element import ELEMENTS
 from lamella.element.plate36.shape import expansion
 from lamella.element.shells import SHELLS
 from lamella.errors import DeclarationError
+from lamella.io.model_file import loads
 
 PLATE36, PLATE48 = ELEMENTS["plate36"], ELEMENTS["plate48"]
 SIZE = (0.4, 0.3)
@@ -140,6 +141,21 @@ def test_a_rigid_panel_of_it_swings_as_one_of_plate48():
         system.add(lm.Gravity("gravity"))
         paths.append(lm.simulate(system, 0.2, lm.GeneralizedAlpha(dt=5e-3))["end.position"].values)
     np.testing.assert_allclose(paths[1], paths[0], atol=1e-9)
+
+
+MODEL = """\
+lamella: 1
+materials: {sheet: {type: isotropic, E: 70 GPa, nu: 0.3, rho: 2700}}
+system:
+  plate: {type: plate, size: [0.4, 0.3], mesh: [2, 2], laminate: {ply: sheet, thickness: 2 mm}, element: plate36}
+  root: {type: clamp, on: plate.x-}
+"""
+
+
+def test_a_model_file_names_it():
+    model = loads(MODEL).system.compile()
+    assert len(model.q0) == 9 * 9  # nodes times coordinates
+    assert model.plates[0].element is PLATE36
 
 
 def test_temperatures_are_refused():
