@@ -14,6 +14,7 @@ CASES = (
     "p2-static",
     "pagano-laminate",
     "patch",
+    "plate36",
     "plate-closed-forms",
     "strain-models",
     "sze-cantilever",

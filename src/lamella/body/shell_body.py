@@ -14,11 +14,10 @@ from lamella.body.mesh import PlateMesh
 from lamella.body.plate_frame import plate_frame, rigid_rows
 from lamella.declaration import declaration
 from lamella.element.base import ELEMENTS
-from lamella.element.plate48.block import STRAIN_MODELS, FloatingShellBlock, ShellBlock, ShellInertia
-from lamella.element.plate48.damping import KelvinVoigtBlock, MassDampingBlock
-from lamella.element.plate48.damping_small import small_damping
+from lamella.element.plate48.damping import MassDampingBlock
 from lamella.element.plate48.frame_groups import FramePlace
 from lamella.element.plate48.section import Section
+from lamella.element.shells import SHELLS
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
 from lamella.material.laminate import Laminate
@@ -96,7 +95,8 @@ class ShellBody(MeshedBody):
         prestrain: membrane strains (eps_11, eps_22, 2 eps_12) that the reference configuration already has, in the axes of the
             plies; positive where it is stretched [-].
         markers: named points (x, y) [m]; each is recorded.
-        element: finite element.
+        element: finite element: ``plate48`` (r, r_x, r_y, r_xy at each node), whose slopes are continuous; or ``plate36`` without
+            r_xy, a quarter fewer coordinates, whose slope across an edge is continuous at the nodes only.
     """
 
     _: KW_ONLY
@@ -113,7 +113,7 @@ class ShellBody(MeshedBody):
     thickness_factors: tuple[tuple[Positive, ...], ...] | None = None
     prestrain: tuple[Number, Number, Number] | None = None
     markers: dict[str, tuple[Length, Length]] = Field(default_factory=dict)
-    element: Literal["plate48"] = "plate48"
+    element: Literal["plate48", "plate36"] = "plate48"
 
     @property
     @abstractmethod
@@ -193,7 +193,7 @@ class ShellBody(MeshedBody):
             build.tie(rigid_rows(mesh))
         else:
             self._add_shell(build, mesh.section, arguments)
-        inertia = ShellInertia(self.name, *arguments, mesh.mass_per_area)
+        inertia = SHELLS[self.element].inertia(self.name, arguments, mesh.mass_per_area)
         build.inertias.append(inertia)
         if self.mass_damping > 0:
             build.forces.append(MassDampingBlock(self.name, inertia, self.mass_damping))
@@ -202,17 +202,11 @@ class ShellBody(MeshedBody):
 
     def _add_shell(self, build: Build, section: Section, tables: tuple[Ints, Floats, Floats]) -> None:
         """Add the elastic block and its structural damping."""
-        if self.strain == "floating":
-            shell = FloatingShellBlock(self.name, *tables, section, self.n_gauss, self.frame_at)
-        else:
-            shell = STRAIN_MODELS[self.strain](self.name, *tables, section, self.n_gauss)
+        models = SHELLS[self.element]
+        shell = models.elastic(self.strain, self.name, tables, section, self.n_gauss, self.frame_at)
         build.forces.append(shell)
         if self.damping > 0:
-            build.forces.append(
-                KelvinVoigtBlock(self.name, *tables, section, self.damping, self.n_gauss)
-                if isinstance(shell, ShellBlock)
-                else small_damping(shell, self.damping)
-            )
+            build.forces.append(models.damping(shell, tables, section, self.damping, self.n_gauss))
 
     def compiled(self, build: Build) -> PlateMesh:
         """The compiled form of this body in a build."""

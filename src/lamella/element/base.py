@@ -26,6 +26,8 @@ class ElementSpec(ABC):
     """Place (xi, eta) of each node."""
     vector_names: ClassVar[tuple[str, ...]]
     """Names of the vectors of a node."""
+    conforming: ClassVar[bool] = True
+    """Whether the slope across an edge is the same in both elements that share it."""
 
     @property
     def vectors_per_node(self) -> int:

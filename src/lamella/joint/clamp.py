@@ -19,7 +19,7 @@ from lamella.roles import Declaration
 
 @declaration
 class Clamp(Declaration):
-    """Clamp an edge, or a point, of a plate: r, r_x, r_y (and r_xy on an edge) keep their reference values.
+    """Clamp an edge, or a point, of a plate: r, r_x, r_y (on an edge also r_xy, if the element has it) keep their values.
 
     Of an edge, less may be held: ``restrained`` keeps place and normal of the edge and lets the plate strain in its plane across
     it; ``sliding`` lets the edge grow along itself as well, its mean position and its line being held. A plate that is heated

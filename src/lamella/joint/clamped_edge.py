@@ -29,6 +29,8 @@ and the plate's slopes r_s and r_t along and across the edge:
   normal, and what crosses it may strain in the plane, as in the boundary value problem of a clamped plate.
 - ``sliding``: r and r_s along e_t and e_n, r_t and r_xy along e_n, and the mean of r over the edge along e_s. The edge stays
   straight and keeps its normal, and grows or shrinks along itself. A load along the edge is carried by an even shear.
+
+An element without r_xy has no such row.
 """
 
 _HELD: dict[Clamping, dict[str, str]] = {

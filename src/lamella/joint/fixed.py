@@ -81,7 +81,7 @@ class FixedJoint(Joint):
             raise DeclarationError(
                 self.item,
                 f"the nodes of {a} and {b} do not have the same positions and slopes",
-                "accepted are plates with the same mesh along the edge whose axes x and y have the same directions",
+                "accepted are plates of one element, with the same mesh along the edge and axes x and y of the same directions",
             )
         return [
             row

@@ -10,7 +10,8 @@ from lamella import units
 from lamella.body.plate import Plate
 from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
-from lamella.element.plate48.block import HEATED, HeatedElements
+from lamella.element.plate48.thermal_matrices import HeatedElements
+from lamella.element.shells import SHELLS
 from lamella.errors import DeclarationError
 from lamella.roles import Declaration
 from lamella.thermal.conduction import plate_block
@@ -40,8 +41,8 @@ class TemperatureField(Declaration):
         initial_gradient: gradient T_M through the thickness at the start [K/m].
 
     Raises:
-        DeclarationError: the plate has another field, a small-deformation strain model, or a material without conductivity or
-            specific heat.
+        DeclarationError: the plate has another field, an element without thermal strain (``plate36``), or a material without
+            conductivity or specific heat.
     """
 
     order: ClassVar[int] = 4  # values of fields are numbered behind all vectors
@@ -60,6 +61,11 @@ class TemperatureField(Declaration):
                 raise DeclarationError(
                     item, f"plate '{plate.name}' has the field '{field.name}'", "accepted is one field a plate"
                 )
+        if not SHELLS[plate.element.name].heated:
+            accepted = " or ".join(f"'{name}'" for name, models in SHELLS.items() if models.heated)
+            raise DeclarationError(
+                item, f"plate '{plate.name}' has the element '{plate.element.name}'", f"accepted with temperatures is {accepted}"
+            )
         mesh = TemperatureMesh(self.name, plate, self.reference)
         initial = self.reference if self.initial is None else self.initial
         mesh.place(build, initial - self.reference, self.initial_gradient)
@@ -85,7 +91,8 @@ class TemperatureField(Declaration):
         """Let the plate's elastic block follow its temperatures."""
         if plate.strain == "rigid":
             return
-        place = next(k for k, block in enumerate(build.forces) if block.name == plate.name and type(block) in HEATED)
+        heated = SHELLS[plate.element.name].heated
+        place = next(k for k, block in enumerate(build.forces) if block.name == plate.name and type(block) in heated)
         elements = HeatedElements(
             plate.name,
             plate.coords,
@@ -97,7 +104,7 @@ class TemperatureField(Declaration):
             plate.laminate.thermal_moments,
         )
         elastic = build.forces[place]
-        build.forces[place], added = HEATED[type(elastic)](elastic, elements)
+        build.forces[place], added = heated[type(elastic)](elastic, elements)
         build.forces.append(added)
         if plate.laminate.thermal_moments.any():
             build.notes += [

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from lamella.element.models import ShellModels
+from lamella.element.plate48.damping import KelvinVoigtBlock
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.frame import CorotationalShellBlock, FloatingShellBlock, FrameShellBlock
 from lamella.element.plate48.heated import ThermalCouplingBlock
 from lamella.element.plate48.heated_small import FrameHeatBlock, HeatedFrameBlock, LinearHeatBlock, group_heat
 from lamella.element.plate48.inertia import ShellInertia
 from lamella.element.plate48.linear import LinearShellBlock
+from lamella.element.plate48.shape import Plate48
 from lamella.element.plate48.thermal_matrices import HeatedElements
 from lamella.roles import ForceBlock
 
 __all__ = [
     "HEATED",
+    "SHELL",
     "STRAIN_MODELS",
     "CorotationalShellBlock",
     "FloatingShellBlock",
@@ -60,3 +64,6 @@ HEATED: dict[type[ForceBlock], Callable[[Any, HeatedElements], HeatedBlocks]] = 
     CorotationalShellBlock: _heated_in_frames,
 }
 """For each strain model, how its block is given temperatures."""
+
+SHELL = ShellModels(Plate48(), STRAIN_MODELS, KelvinVoigtBlock, HEATED)
+"""All of them together."""

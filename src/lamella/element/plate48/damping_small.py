@@ -55,7 +55,7 @@ class LinearDampingBlock(ForceBlock):
     ) -> None:
         """Viscous force and alpha_v c K0."""
         self.force(t, q, v, f)
-        np.multiply(self._shell.matrices, alpha_v * self._time, out=k)
+        np.multiply(self._shell.matrix_entries, alpha_v * self._time, out=k)
 
     def energy(self, t: float, q: Floats) -> float:
         """No potential."""

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
+import numpy as np
+
+from lamella.element.block import ElementBlock
 from lamella.element.packing import aligned
 from lamella.element.plate48 import kernels
 from lamella.element.plate48.entries import upper_entries
@@ -53,3 +58,29 @@ class ShellBlock(Plate48Block):
         """Strain energy [J]."""
         kernels.energy(q, *self._tables, self._work, self._energies)
         return float(self._energies[: self.n_element].sum())
+
+
+class ExactModel(Protocol):
+    """The exact strain model of an element: :class:`ShellBlock`, or another that takes the same arguments."""
+
+    def __call__(
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int = 4
+    ) -> ElementBlock:
+        """The block of the elements."""
+        ...
+
+
+def reference_tangent(
+    model: ExactModel, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int
+) -> tuple[ElementBlock, Floats]:
+    """The exact tangent K0 of each element at the reference.
+
+    Returns:
+        The block of the elements, each with coordinates of its own, and its tangent buffer.
+    """
+    own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
+    shell = model(name, own, scale, reference, section, n_gauss)
+    f, k = aligned(shell.f_coords.size), aligned(shell.k_rows.size)
+    rest = np.ascontiguousarray(reference, float).reshape(-1)
+    shell.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, f, k)
+    return shell, k

@@ -1,4 +1,4 @@
-"""Elastic Plate48 shells with the linear stiffness of the reference in frames that follow the motion.
+"""Elastic shells with the linear stiffness of the reference in frames that follow the motion.
 
 A group of coordinate vectors x_k has the mean gradients f_i = sum_k w_ik x_k (the means of r_x and r_y over the reference area,
 or along an edge), and its frame R = [d1, d2, d3] is the rotation of the polar decomposition of [f1, f2], which makes
@@ -33,6 +33,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lamella.element.plate48.exact import ExactModel, ShellBlock
 from lamella.element.plate48.frame_groups import FrameGroups, FramePlace, body_group, element_groups
 from lamella.element.plate48.frame_kernels import turned_stiffness
 from lamella.element.plate48.framed_shape import FramedShape, cross_matrix, framed_shape
@@ -107,16 +108,26 @@ class CorotationalShellBlock(FrameShellBlock):
     """Elastic shell with the constant stiffness of the reference in one frame for each element.
 
     Rotations are unlimited, strains and the bending of an element small: large bending converges with the mesh. The arguments
-    are those of :class:`ShellBlock`.
+    are those of :class:`ShellBlock`, and
+
+    Args:
+        exact: the element's model of exact strains.
 
     Raises:
         ModelError: as :class:`ShellBlock`, or the mean gradient of an element's reference is singular.
     """
 
     def __init__(
-        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int = 4
+        self,
+        name: str,
+        coords: Ints,
+        scale: Floats,
+        reference: Floats,
+        section: Section | Floats,
+        n_gauss: int = 4,
+        exact: ExactModel = ShellBlock,
     ) -> None:
-        super().__init__(name, element_groups(name, coords, scale, reference, section, n_gauss))
+        super().__init__(name, element_groups(exact, name, coords, scale, reference, section, n_gauss))
 
 
 class FloatingShellBlock(FrameShellBlock):
@@ -129,6 +140,7 @@ class FloatingShellBlock(FrameShellBlock):
     Args:
         frame_at: what the frame follows: the ``mean`` gradient over the body, or that over an edge. With an edge that is clamped
             the body deforms as linear theory says in the frame of the clamp.
+        exact: the element's model of exact strains.
 
     Raises:
         ModelError: as :class:`ShellBlock`, the surface has no such edge, or the mean gradient of the reference is singular (a
@@ -144,5 +156,6 @@ class FloatingShellBlock(FrameShellBlock):
         section: Section | Floats,
         n_gauss: int = 4,
         frame_at: FramePlace = "mean",
+        exact: ExactModel = ShellBlock,
     ) -> None:
-        super().__init__(name, body_group(name, coords, scale, reference, section, n_gauss, frame_at))
+        super().__init__(name, body_group(exact, name, coords, scale, reference, section, n_gauss, frame_at))

@@ -1,4 +1,4 @@
-"""Groups of Plate48 elements that share a frame: their coordinates, reference, stiffness and mean gradient."""
+"""Groups of elements that share a frame: their coordinates, reference, stiffness and mean gradient."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from lamella.element.packing import aligned, unpacked
-from lamella.element.plate48.entries import upper_entries
-from lamella.element.plate48.exact import ShellBlock
+from lamella.element.base import ElementSpec
+from lamella.element.plate48.exact import ExactModel, reference_tangent
 from lamella.element.plate48.section import Section
-from lamella.element.plate48.shape import Plate48, gauss_points, product_order
+from lamella.element.plate48.shape import gauss_points
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import LamellaError, ModelError
 from lamella.math.gauss import gauss_rule
@@ -44,32 +43,40 @@ class FrameGroups:
 
 
 def element_groups(
-    name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int
+    exact: ExactModel, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int
 ) -> FrameGroups:
-    """Each element a group. The arguments are those of :class:`ShellBlock`.
+    """Each element a group. The arguments are those of :class:`CorotationalShellBlock`.
 
     Raises:
         ModelError: as :class:`ShellBlock`, or the mean gradient of an element's reference is singular.
     """
-    matrices = _element_stiffness(name, coords, scale, reference, section, n_gauss)
-    integrals, area = _gradient_integrals(name, scale, reference)
-    coords = np.asarray(coords, np.int64).reshape(len(coords), -1, 3)
-    return _in_frames(name, coords, _is_position(1), integrals / area[:, None, None], reference, matrices)
+    shell, k = reference_tangent(exact, name, coords, scale, reference, section, n_gauss)
+    integrals, area = _gradient_integrals(name, shell.element, scale, reference)
+    coords, matrices = np.asarray(coords, np.int64).reshape(len(coords), -1, 3), shell.matrices(k)
+    return _in_frames(name, coords, _is_position(shell.element, 1), integrals / area[:, None, None], reference, matrices)
 
 
 def body_group(
-    name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int, frame_at: FramePlace
+    exact: ExactModel,
+    name: str,
+    coords: Ints,
+    scale: Floats,
+    reference: Floats,
+    section: Section | Floats,
+    n_gauss: int,
+    frame_at: FramePlace,
 ) -> FrameGroups:
     """All elements one group. The arguments are those of :class:`FloatingShellBlock`.
 
     Raises:
         ModelError: as :class:`FloatingShellBlock`.
     """
-    matrices = _element_stiffness(name, coords, scale, reference, section, n_gauss)
+    shell, k = reference_tangent(exact, name, coords, scale, reference, section, n_gauss)
+    matrices, spec = shell.matrices(k), shell.element
     if frame_at == "mean":
-        integrals, measure = _gradient_integrals(name, scale, reference)
+        integrals, measure = _gradient_integrals(name, spec, scale, reference)
     else:
-        integrals, measure = _edge_integrals(name, np.asarray(coords), scale, reference, frame_at)
+        integrals, measure = _edge_integrals(name, spec, np.asarray(coords), scale, reference, frame_at)
     coords = np.asarray(coords, np.int64).reshape(len(coords), -1, 3)
     _, first, place = np.unique(coords[..., 0], return_index=True, return_inverse=True)
     place, n = place.reshape(len(coords), -1), len(first)
@@ -78,13 +85,12 @@ def body_group(
         weights[:, at] += integral / measure.sum()
         K0[at[:, None], :, at[None, :], :] += matrix.reshape(len(at), 3, len(at), 3).swapaxes(1, 2)
     rest = np.asarray(reference, float).reshape(-1, 3)[first]
-    own, is_position = coords.reshape(-1, 3)[first][None], _is_position(len(coords))[first]
+    own, is_position = coords.reshape(-1, 3)[first][None], _is_position(spec, len(coords))[first]
     return _in_frames(name, own, is_position, weights[None], rest[None], K0.reshape(1, 3 * n, 3 * n))
 
 
-def _is_position(n_element: int) -> Bools:
-    """Whether each vector of the elements is a position, shape (16 n_element,)."""
-    spec = Plate48()
+def _is_position(spec: ElementSpec, n_element: int) -> Bools:
+    """Whether each vector of the elements is a position, shape (n_shape n_element,)."""
     return np.tile(spec.is_position, len(spec.nodes) * n_element)
 
 
@@ -106,36 +112,19 @@ def _in_frames(name: str, coords: Ints, is_position: Bools, weights: Floats, ref
     return FrameGroups(coords, is_position, origin, weights, rest @ R, np.ascontiguousarray(turned).reshape(g, 3 * n, 3 * n))
 
 
-def _element_stiffness(
-    name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int
-) -> Floats:
-    """Exact tangent of each element at the reference in its unscaled coordinates, in element order, shape (n_element, 48, 48)."""
-    own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
-    exact = ShellBlock(name, own, scale, reference, section, n_gauss)
-    f, k = aligned(exact.f_coords.size), aligned(exact.k_rows.size)
-    rest = np.ascontiguousarray(reference, float).reshape(-1)
-    exact.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, f, k)
-    values = unpacked(k * exact.k_scale, len(reference))
-    rows, columns = (product_order()[entries] for entries in upper_entries())
-    matrices = np.empty((len(reference), 48, 48))
-    matrices[:, rows, columns] = values
-    matrices[:, columns, rows] = values
-    return matrices
-
-
-def _gradient_integrals(name: str, scale: Floats, reference: Floats) -> tuple[Floats, Floats]:
-    """Integrals of r_x and r_y over the reference area as sums over the vectors, shape (n_element, 2, 16), and the area."""
-    spec = Plate48()
+def _gradient_integrals(name: str, spec: ElementSpec, scale: Floats, reference: Floats) -> tuple[Floats, Floats]:
+    """Integrals of r_x and r_y over the reference area as sums over the vectors, shape (n_element, 2, n_shape), and the area."""
     xi, eta, weights = gauss_points(4)
     shape = spec.shape(xi, eta)
     points = derivatives_at_points(shape, np.asarray(reference, float) * scale)
     area = reference_surface(name, points).area * weights
-    return _slope_integrals(area, shape, scale), area.sum(axis=1)
+    return _slope_integrals(spec, area, shape, scale), area.sum(axis=1)
 
 
-def _edge_integrals(name: str, coords: Ints, scale: Floats, reference: Floats, side: str) -> tuple[Floats, Floats]:
+def _edge_integrals(
+    name: str, spec: ElementSpec, coords: Ints, scale: Floats, reference: Floats, side: str
+) -> tuple[Floats, Floats]:
     """The same along an edge of the body, with the reference length in place of the area; zero for elements away from it."""
-    spec = Plate48()
     fixed, value = "xy".index(side[0]), int(side[1] == "+")
     places, weights = gauss_rule(4)
     parameters = [places, places]
@@ -143,24 +132,22 @@ def _edge_integrals(name: str, coords: Ints, scale: Floats, reference: Floats, s
     shape = spec.shape(*parameters)
     along = derivatives_at_points(shape, np.asarray(reference, float) * scale)[2 - fixed]
     length = np.linalg.norm(along, axis=-1) * weights
-    length[~_on_edge(coords, fixed, value)] = 0.0
+    length[~_on_edge(spec, coords, fixed, value)] = 0.0
     if not length.any():
         raise ModelError(f"{name}: the surface has no edge {side} for a frame; accepted are edges where the surface ends")
-    return _slope_integrals(length, shape, scale), length.sum(axis=1)
+    return _slope_integrals(spec, length, shape, scale), length.sum(axis=1)
 
 
-def _on_edge(coords: Ints, fixed: int, value: int) -> Bools:
+def _on_edge(spec: ElementSpec, coords: Ints, fixed: int, value: int) -> Bools:
     """Whether each element's side, where the parameter ``fixed`` has the value 0 or 1, is not the opposite side of another."""
-    spec = Plate48()
     numbers = coords[:, :: coords.shape[1] // len(spec.nodes)]
     own, opposite = (numbers[:, [node[fixed] == at for node in spec.nodes]].tolist() for at in (value, 1 - value))
     inner = {frozenset(pair) for pair in opposite}
     return np.array([frozenset(pair) not in inner for pair in own])
 
 
-def _slope_integrals(measure: Floats, shape: Floats, scale: Floats) -> Floats:
-    """Integrals of r_x and r_y with the weights ``measure`` (n_element, n_point), shape (n_element, 2, 16)."""
-    spec = Plate48()
+def _slope_integrals(spec: ElementSpec, measure: Floats, shape: Floats, scale: Floats) -> Floats:
+    """Integrals of r_x and r_y with the weights ``measure`` (n_element, n_point), shape (n_element, 2, n_shape)."""
     factors = np.asarray(scale, float)[:, ::3]
     lengths = factors[:, [spec.vector_names.index("r_x"), spec.vector_names.index("r_y")]]
     return np.einsum("eg,dgs->eds", measure, shape[1:3]) * factors[:, None, :] / lengths[:, :, None]

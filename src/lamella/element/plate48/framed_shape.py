@@ -1,4 +1,4 @@
-"""Groups of Plate48 elements as their frames see them: vectors in the frames' axes, and forces that turn with them.
+"""Groups of elements as their frames see them: vectors in the frames' axes, and forces that turn with them.
 
 The symbols are those of :mod:`lamella.element.plate48.frame`.
 """

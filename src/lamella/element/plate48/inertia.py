@@ -1,13 +1,16 @@
-"""Inertia of Plate48 shells."""
+"""Inertia of shells."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from lamella.element.base import ElementSpec
 from lamella.element.plate48.shape import Plate48, gauss_points
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import ModelError
 from lamella.roles import Floats, InertiaBlock, Ints
+
+PLATE48 = Plate48()
 
 
 class ShellInertia(InertiaBlock):
@@ -17,31 +20,39 @@ class ShellInertia(InertiaBlock):
 
     Args:
         name: name of the body, for messages.
-        coords: global coordinates of each element in element order, shape (n_element, 48).
-        scale: factors from global to element coordinates, shape (n_element, 48).
-        reference: unscaled reference coordinates, shape (n_element, 48).
+        coords: global coordinates of each element in element order, shape (n_element, n_coordinate).
+        scale: factors from global to element coordinates, shape (n_element, n_coordinate).
+        reference: unscaled reference coordinates, shape (n_element, n_coordinate).
         mass_per_area: m [kg/m^2], a number or shape (n_element,).
         n_gauss: Gauss points in each direction.
+        element: the finite element.
 
     Raises:
         ModelError: the mass per area is not positive, or the reference surface has no area.
     """
 
     def __init__(
-        self, name: str, coords: Ints, scale: Floats, reference: Floats, mass_per_area: float | Floats, n_gauss: int = 4
+        self,
+        name: str,
+        coords: Ints,
+        scale: Floats,
+        reference: Floats,
+        mass_per_area: float | Floats,
+        n_gauss: int = 4,
+        element: ElementSpec = PLATE48,
     ) -> None:
         self.name = name
         density = np.broadcast_to(np.asarray(mass_per_area, float), (len(coords),))
         if not np.all(density > 0):
             raise ModelError(f"{name}: mass per area is {density.min():g} kg/m^2; accepted is a positive number")
         xi, eta, weights = gauss_points(n_gauss)
-        shape = Plate48().shape(xi, eta)
+        shape = element.shape(xi, eta)
         rest = np.asarray(reference, float) * scale
         area = reference_surface(name, derivatives_at_points(shape, rest)).area
         matrices = np.einsum("eg,gi,gj->eij", density[:, None] * weights * area, shape[0], shape[0], optimize=True)
         factors = np.asarray(scale, float)[:, ::3]
         self._values = matrices * factors[:, :, None] * factors[:, None, :]
-        self._coords = np.asarray(coords, np.int64).reshape(-1, 16, 3)
+        self._coords = np.asarray(coords, np.int64).reshape(-1, element.n_shape, 3)
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
         """Rows, columns and values of all entries."""

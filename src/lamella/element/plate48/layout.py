@@ -1,18 +1,19 @@
-"""What all force blocks of Plate48 share: element tables for the kernels and the map of their buffers to global coordinates."""
+"""What all force blocks of Plate48 share: element tables for the kernels, and the constants of the Gauss points."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets
+from lamella.element.block import ElementBlock
+from lamella.element.packing import packed
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface, strain_transform_6
 from lamella.errors import ModelError
-from lamella.roles import Floats, ForceBlock, Ints
+from lamella.roles import Floats, Ints
 
 
-class Plate48Block(ForceBlock):
+class Plate48Block(ElementBlock):
     """Element tables of a group of Plate48 elements, packed for the kernels.
 
     Args:
@@ -28,20 +29,7 @@ class Plate48Block(ForceBlock):
     """
 
     def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, rows: Ints, columns: Ints) -> None:
-        self.name = name
-        if not coords.shape == scale.shape == reference.shape == (len(coords), 48):
-            raise ModelError(
-                f"{name}: element tables have shapes {coords.shape}, {scale.shape}, {reference.shape}; each must be (n, 48)"
-            )
-        order = product_order()
-        self.rest = np.asarray(reference, float) * scale
-        coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
-        self.element_scale = scale
-        self.n_element, self.n_block = len(coords), n_blocks(len(coords))
-        self._index, self._scale = packed_indices(coords), packed(scale)
-        self.f_coords, self.f_scale = packed_targets(coords), self._scale
-        self.k_rows, self.k_cols = packed_targets(coords[:, rows]), packed_targets(coords[:, columns])
-        self.k_scale = packed(scale[:, rows] * scale[:, columns])
+        super().__init__(name, Plate48(), product_order(), coords, scale, reference, rows, columns)
 
 
 class GaussTables:

@@ -12,7 +12,8 @@ from lamella.math.gauss import gauss_rule
 from lamella.math.hermite import cubic_hermite
 from lamella.roles import Floats, Ints
 
-_DERIVATIVES = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+DERIVATIVES = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+"""Numbers of derivatives by xi and eta in the order of :meth:`ElementSpec.shape`."""
 
 
 class Plate48(ElementSpec):
@@ -35,7 +36,7 @@ class Plate48(ElementSpec):
         """Shape functions and derivatives, see :meth:`ElementSpec.shape`."""
         a, b = self.factors()
         phi_xi, phi_eta = np.moveaxis(cubic_hermite(xi), 1, -1), np.moveaxis(cubic_hermite(eta), 1, -1)
-        return np.stack([phi_xi[p][..., a] * phi_eta[q][..., b] for p, q in _DERIVATIVES])
+        return np.stack([phi_xi[p][..., a] * phi_eta[q][..., b] for p, q in DERIVATIVES])
 
 
 def gauss_points(n: int) -> tuple[Floats, Floats, Floats]:

@@ -1,0 +1,63 @@
+"""What force blocks of elements share: tables in lanes, and the map of their buffers to global coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lamella.element.base import ElementSpec
+from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets, unpacked
+from lamella.errors import ModelError
+from lamella.roles import Floats, ForceBlock, Ints
+
+
+class ElementBlock(ForceBlock):
+    """A group of equal elements, packed for kernels that compute a lane of them at a time.
+
+    Args:
+        name: name of the body, for messages.
+        element: the finite element, with n coordinates.
+        order: place in element order of each coordinate in the order of the kernels, shape (n,).
+        coords: global coordinate of each element coordinate, in element order, shape (n_element, n).
+        scale: factors from global to element coordinates, l_x^px l_y^py, shape (n_element, n).
+        reference: global coordinates of the stress-free configuration, shape (n_element, n).
+        rows: row of each entry of the tangent buffer of an element, a coordinate in the kernels' order, shape (n_entry,).
+        columns: its column.
+
+    Raises:
+        ModelError: the shapes do not agree.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        element: ElementSpec,
+        order: Ints,
+        coords: Ints,
+        scale: Floats,
+        reference: Floats,
+        rows: Ints,
+        columns: Ints,
+    ) -> None:
+        self.name, self.element, self.order, self.rows, self.columns = name, element, order, rows, columns
+        if not coords.shape == scale.shape == reference.shape == (len(coords), len(order)):
+            raise ModelError(
+                f"{name}: element tables have shapes {coords.shape}, {scale.shape}, {reference.shape}; "
+                f"each must be (n, {len(order)})"
+            )
+        self.rest = np.asarray(reference, float) * scale
+        coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
+        self.element_scale = scale
+        self.n_element, self.n_block = len(coords), n_blocks(len(coords))
+        self._index, self._scale = packed_indices(coords), packed(scale)
+        self.f_coords, self.f_scale = packed_targets(coords), self._scale
+        self.k_rows, self.k_cols = packed_targets(coords[:, rows]), packed_targets(coords[:, columns])
+        self.k_scale = packed(scale[:, rows] * scale[:, columns])
+
+    def matrices(self, k: Floats) -> Floats:
+        """Matrices in unscaled coordinates and element order, shape (n_element, n, n), from the buffer of a symmetric tangent."""
+        values = unpacked(k * self.k_scale, self.n_element)
+        rows, columns = self.order[self.rows], self.order[self.columns]
+        matrices = np.empty((self.n_element, len(self.order), len(self.order)))
+        matrices[:, rows, columns] = values
+        matrices[:, columns, rows] = values
+        return matrices
