@@ -9,7 +9,7 @@ import numpy as np
 from lamella.body.sample import PlateSample
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.recovery import ShellRecovery
-from lamella.element.plate48.section import Section
+from lamella.element.plate48.section import Curvature, Section
 from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
@@ -35,13 +35,23 @@ class PlateMesh:
         element: the finite element.
         laminate: the section.
         strain: the strain model's name.
+        curvature: the definition of curvature.
+        membrane_gauss: Gauss points for the in-plane forces, see :class:`Section`.
     """
 
     def __init__(
-        self, name: str, size: tuple[float, float], counts: tuple[int, int], element: ElementSpec, laminate: Laminate, strain: str
+        self,
+        name: str,
+        size: tuple[float, float],
+        counts: tuple[int, int],
+        element: ElementSpec,
+        laminate: Laminate,
+        strain: str,
+        curvature: Curvature = "unit_normal",
+        membrane_gauss: int | None = None,
     ) -> None:
         self.name, self.size, self.element, self.laminate, self.strain = name, size, element, laminate, strain
-        self.section = Section(laminate.stiffness)
+        self.section = Section(laminate.stiffness, curvature=curvature, membrane_gauss=membrane_gauss)
         self.temperature: TemperatureSource | None = None
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny
@@ -122,7 +132,10 @@ class PlateMesh:
         index = (j[:, None] * self.nx + i[None, :]).reshape(-1)
         points_xi = np.broadcast_to(xi - i, (len(eta), len(xi))).reshape(-1)
         points_eta = np.broadcast_to((eta - j)[:, None], (len(eta), len(xi))).reshape(-1)
-        found = ShellRecovery(self.element, self.coords, self.scale, self.reference).at(q, index, points_xi, points_eta)
+        recovery = ShellRecovery(
+            self.element, self.coords, self.scale, self.reference, self.section.direction, self.section.curvature
+        )
+        found = recovery.at(q, index, points_xi, points_eta)
         shape = (len(eta), len(xi), -1)
         heat: tuple[Floats, Floats] | tuple[()] = ()
         if self.temperature is not None:

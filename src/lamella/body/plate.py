@@ -16,7 +16,7 @@ from lamella.element.plate48.block import STRAIN_MODELS, FloatingShellBlock, She
 from lamella.element.plate48.damping import KelvinVoigtBlock, MassDampingBlock
 from lamella.element.plate48.damping_small import small_damping
 from lamella.element.plate48.frame_groups import FramePlace
-from lamella.element.plate48.section import Section
+from lamella.element.plate48.section import Curvature, Section
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
 from lamella.material.laminate import Laminate
@@ -71,6 +71,10 @@ class Plate(Body):
         frame_at: what the frame of ``floating`` follows: the ``mean`` gradient over the plate, or that over one of its edges (the
             one that is clamped, for example).
         n_gauss: Gauss points in each direction of an element.
+        membrane_gauss: fewer points, for the energy of the in-plane forces alone; None stands for ``n_gauss``. It eases membrane
+            locking of elements that bend far. At least 3, and more than one element then.
+        curvature: ``unit_normal``, kap = r_xx.n/|n| with n = r_x x r_y; or ``cubed_normal``, kap = r_xx.n/|n|^3 (Dufva and
+            Shabana), which is smaller by the square of the stretch of area.
         damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt) with the strains E of the strain model. Rigid
             rotation is not damped, but with ``linear``.
         mass_damping: mass-proportional damping [1/s]: force -c M v; it damps every motion.
@@ -89,6 +93,8 @@ class Plate(Body):
     strain: Literal["exact", "linear", "floating", "corotational", "rigid"] = "exact"
     frame_at: FramePlace = "mean"
     n_gauss: Literal[3, 4, 5] = 4
+    membrane_gauss: Literal[3, 4] | None = None
+    curvature: Curvature = "unit_normal"
     damping: Seconds = 0.0
     mass_damping: Rate = 0.0
     markers: dict[str, tuple[Length, Length]] = Field(default_factory=dict)
@@ -101,6 +107,8 @@ class Plate(Body):
                 f"frame_at '{self.frame_at}' with the strain model '{self.strain}'",
                 "accepted are 'mean', or an edge with 'floating'",
             )
+        if self.membrane_gauss is not None:
+            self._check_reduced(self.membrane_gauss)
         for name, at in self.markers.items():
             self._check_inside(name, at)
 
@@ -131,7 +139,9 @@ class Plate(Body):
         from lamella.body.signals import marker_signals  # the signals need the compiled mesh
 
         element = ELEMENTS[self.element]
-        mesh = PlateMesh(self.name, self.size, self.mesh, element, self.laminate, self.strain)
+        mesh = PlateMesh(
+            self.name, self.size, self.mesh, element, self.laminate, self.strain, self.curvature, self.membrane_gauss
+        )
         turn = matrix_from_vector(np.asarray(self.rotation))
         q = mesh.flat_vectors() @ turn.T
         q[mesh.is_position] += self.position
@@ -178,6 +188,20 @@ class Plate(Body):
     def frame(self, build: Build, at: tuple[float, ...], axes: Floats) -> Frame:
         """A frame at (x, y) that turns with the tangents and the exact normal."""
         return plate_frame(build, self.compiled(build), at, axes)
+
+    def _check_reduced(self, points: int) -> None:
+        if points > self.n_gauss:
+            raise DeclarationError(
+                f"Plate '{self.name}'",
+                f"membrane_gauss = {points} with n_gauss = {self.n_gauss}",
+                f"accepted is a number up to {self.n_gauss}, or none",
+            )
+        if points == 3 and self.mesh == (1, 1):
+            raise DeclarationError(
+                f"Plate '{self.name}'",
+                "membrane_gauss = 3 on a single element, which leaves motions in its plane without stiffness",
+                "accepted is a mesh of two or more elements, or membrane_gauss = 4",
+            )
 
     def _check_inside(self, name: str, at: tuple[float, float]) -> None:
         for value, length, axis in zip(at, self.size, "xy", strict=True):
