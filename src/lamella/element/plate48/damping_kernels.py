@@ -245,7 +245,7 @@ def viscous_tangent(
 ) -> None:
     """alpha_q df/dq + alpha_v df/dv of the viscous force, all entries, k (block, 2304)."""
     lines, rates, small = 48, 48 + 36 * n, 48 + 72 * n
-    rows = small + 24
+    rows = small + (15 if cubed is None else 24)
     symmetric = rows + 90
     z = symmetric + 150
     partial = z + 15 * n
