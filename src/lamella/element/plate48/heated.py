@@ -11,6 +11,7 @@ from lamella.element.plate48.interpolation import N_SECTION
 from lamella.element.plate48.layout import GaussTables, Plate48Block, gauss_tables
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import hermite_table, product_order
+from lamella.element.plate48.strain import Cubed
 from lamella.lane import WIDTH
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, ForceBlock, Ints, Symmetry
@@ -51,7 +52,7 @@ class HeatedShellBlock(ShellBlock):
         self.temperatures = temperatures
         a0, a1, a2 = np.asarray(expansion, float)
         resultants = np.array([np.concatenate([a0, -a1]), np.concatenate([a1, -a2])])
-        local = np.linalg.solve(Section.of(section).by_element, resultants.T)  # for T_N = 1 and T_M = 1, shape (..., 6, 2)
+        local = np.asarray(np.linalg.solve(Section.of(section).by_element, resultants.T), float)
         tables = gauss_tables(self, section, n_gauss)
         self.parts = [HeatedPart(self, part, local, own[2]) for part, own in zip(tables, self._arguments, strict=True)]
         self._index_T, self._work_T = packed_indices(temperatures), aligned(8 * WIDTH)
@@ -106,7 +107,7 @@ class HeatedPart(GaussPoints):
 
     def __init__(self, block: Plate48Block, tables: GaussTables, local: Floats, sections: Floats) -> None:
         super().__init__(block, tables.n)
-        self.cubed = tables.cubed
+        self.cubed: Cubed = tables.cubed
         transform = tables.transform
         strain = np.swapaxes(np.linalg.solve(transform, np.broadcast_to(local, (*transform.shape[:-2], 6, 2))), -1, -2)
         self.strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ tables.stiffness, float))

@@ -66,7 +66,7 @@ class GaussTables:
     def __init__(self, block: Plate48Block, section: Section, n_gauss: int) -> None:
         xi, eta, weights = gauss_points(n_gauss)
         surface = reference_surface(block.name, derivatives_at_points(Plate48().shape(xi, eta), block.rest), section.direction)
-        self.cubed = section.cubed
+        self.cubed: Cubed = section.cubed
         self.transform = surface.strain_transform(self.cubed)
         factor = (weights * surface.area)[..., None, None]
         self.stiffness = self.transform.swapaxes(-1, -2) @ section.by_element @ self.transform * factor
