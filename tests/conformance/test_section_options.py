@@ -65,6 +65,20 @@ def test_definitions_agree_without_stretch():
     assert unit == pytest.approx(0.5 * C[3, 3] / 1.3**2 * 2.0 * 0.5, rel=1e-3)
 
 
+def test_pictures_and_stresses_take_the_curvature_of_the_plate():
+    sheet = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=0.02)
+
+    def curvatures(curvature):
+        system = lm.System()
+        system.add(lm.Plate("wing", (2.0, 0.5), (4, 1), sheet, curvature=curvature))
+        model = system.compile()
+        q = 1.5 * patch(PLATE48, np.linspace(0.0, 2.0, 5), [0.0, 0.5], SURFACES["cylinder"]).rest
+        return model.plates[0].sample(q).strains[..., 3]
+
+    np.testing.assert_allclose(curvatures("unit_normal"), 1.5 / 1.3, rtol=2e-2)  # cubics bend unevenly, 1 / 32 of (l/R)^2
+    np.testing.assert_allclose(curvatures("cubed_normal"), 1.5**-3 / 1.3, rtol=2e-2)
+
+
 def test_tangents_at_the_reference_differ_only_where_it_is_curved_or_stressed():
     def tangents(surface, **options):
         mesh = patch(PLATE48, [0.0, 0.5, 1.2], [0.0, 0.4], SURFACES[surface])
