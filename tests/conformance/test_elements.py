@@ -13,6 +13,7 @@ from lamella.element.plate48.damping import MassDampingBlock
 from lamella.element.plate48.damping_small import small_damping
 from lamella.element.plate48.framed_shape import framed_shape
 from lamella.element.plate48.recovery import ShellRecovery
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import gauss_points
 from lamella.element.shells import SHELLS
 from lamella.errors import ModelError
@@ -35,8 +36,23 @@ def rng():
     return np.random.default_rng(7)
 
 
-def exact(mesh, rng, n_gauss=4):
-    return SHELLS[mesh.element.name].strain_models["exact"]("plate", *mesh.tables, section(rng), n_gauss)
+OPTIONS = {
+    "unit": {},
+    "cubed": {"curvature": "cubed_normal"},
+    "reduced": {"membrane_gauss": 3},
+    "cubed, reduced": {"curvature": "cubed_normal", "membrane_gauss": 3},
+}
+
+
+@pytest.fixture(params=list(OPTIONS.values()), ids=list(OPTIONS))
+def options(request):
+    """How curvature is measured and the energy of the in-plane forces integrated."""
+    return request.param
+
+
+def exact(mesh, rng, n_gauss=4, options=OPTIONS["unit"]):
+    material = Section(section(rng), **options)
+    return SHELLS[mesh.element.name].strain_models["exact"]("plate", *mesh.tables, material, n_gauss)
 
 
 def deformed(mesh, rng, size=0.05):
@@ -90,8 +106,8 @@ def test_magnitudes_and_scales_follow_the_derivatives(element):
 # --- exact strains --------------------------------------------------------------------------------
 
 
-def test_rigid_motion_gives_no_force_and_no_energy(mesh, rng):
-    block = exact(mesh, rng)
+def test_rigid_motion_gives_no_force_and_no_energy(mesh, rng, options):
+    block = exact(mesh, rng, options=options)
     q = turned(mesh.rest, mesh.is_position, random_rotation(rng), 3.0 * rng.standard_normal(3))
     typical = deformed(mesh, rng)
     # strains of rounding size, 1e-15, give forces of that size and energies of its square
@@ -99,8 +115,8 @@ def test_rigid_motion_gives_no_force_and_no_energy(mesh, rng):
     assert 0 <= block.energy(0.0, q) < 1e-24 * block.energy(0.0, typical)
 
 
-def test_force_turns_with_the_configuration(mesh, rng):
-    block, q, R = exact(mesh, rng), deformed(mesh, rng), random_rotation(rng)
+def test_force_turns_with_the_configuration(mesh, rng, options):
+    block, q, R = exact(mesh, rng, options=options), deformed(mesh, rng), random_rotation(rng)
     moved = turned(q, mesh.is_position, R, np.array([1.0, -2.0, 0.5]))
     expected = (gathered_force(block, q).reshape(-1, 3) @ R.T).reshape(-1)
     np.testing.assert_allclose(gathered_force(block, moved), expected, atol=1e-11 * np.abs(expected).max())
@@ -108,23 +124,23 @@ def test_force_turns_with_the_configuration(mesh, rng):
 
 
 @pytest.mark.parametrize("n_gauss", [3, 4, 5])
-def test_force_is_the_derivative_of_the_energy(mesh, rng, n_gauss):
-    block, q, d = exact(mesh, rng, n_gauss), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
+def test_force_is_the_derivative_of_the_energy(mesh, rng, options, n_gauss):
+    block, q, d = exact(mesh, rng, n_gauss, options), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
     numeric = derivative(lambda h: block.energy(0.0, q + h * d), 2e-4)
     assert gathered_force(block, q) @ d == pytest.approx(numeric, rel=1e-9)
 
 
 @pytest.mark.parametrize("n_gauss", [3, 4, 5])
-def test_tangent_is_the_derivative_of_the_force(mesh, rng, n_gauss):
-    block, q, d = exact(mesh, rng, n_gauss), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
+def test_tangent_is_the_derivative_of_the_force(mesh, rng, options, n_gauss):
+    block, q, d = exact(mesh, rng, n_gauss, options), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
     f, K = dense(block, q, alpha_q=0.7)
     numeric = derivative(lambda h: gathered_force(block, q + h * d), 2e-4)
     np.testing.assert_allclose(f, gathered_force(block, q), rtol=1e-12, atol=1e-12 * np.abs(f).max())
     np.testing.assert_allclose(K @ d, 0.7 * numeric, atol=1e-9 * np.abs(numeric).max())
 
 
-def test_extrapolated_stress_leaves_the_force_and_differs_by_second_order_in_the_tangent(mesh, rng):
-    block, q, d = exact(mesh, rng), deformed(mesh, rng, 0.02), rng.standard_normal(mesh.rest.shape)
+def test_extrapolated_stress_leaves_the_force_and_differs_by_second_order_in_the_tangent(mesh, rng, options):
+    block, q, d = exact(mesh, rng, options=options), deformed(mesh, rng, 0.02), rng.standard_normal(mesh.rest.shape)
     f, K = dense(block, q)
     errors = []
     for h in (2e-3, 1e-3):
@@ -176,10 +192,11 @@ def test_small_constant_curvature_is_reproduced(element, rng):
     assert block.energy(0.0, patch(element, XS, YS, bent).rest) == pytest.approx(energy, rel=1e-5)
 
 
-def test_recovered_strains_give_the_energy(mesh, rng):
+@pytest.mark.parametrize("curvature", ["unit_normal", "cubed_normal"])
+def test_recovered_strains_give_the_energy(mesh, rng, curvature):
     C = section(rng)
-    block = SHELLS[mesh.element.name].strain_models["exact"]("plate", *mesh.tables, C)
-    recovery = ShellRecovery(mesh.element, *mesh.tables)
+    block = SHELLS[mesh.element.name].strain_models["exact"]("plate", *mesh.tables, Section(C, curvature=curvature))
+    recovery = ShellRecovery(mesh.element, *mesh.tables, curvature=curvature)
     q = deformed(mesh, rng)
     xi, eta, weights = gauss_points(4)
     n = len(mesh.coords)
@@ -224,8 +241,8 @@ def test_section_may_differ_from_element_to_element(mesh, rng):
 # --- linear strains -------------------------------------------------------------------------------
 
 
-def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng):
-    models, C = SHELLS[mesh.element.name].strain_models, section(rng)
+def test_linear_block_is_the_tangent_plane_of_the_exact_one(mesh, rng, options):
+    models, C = SHELLS[mesh.element.name].strain_models, Section(section(rng), **options)
     linear, full = (models[name]("plate", *mesh.tables, C) for name in ("linear", "exact"))
     f, K = dense(linear, mesh.rest, alpha_q=0.5)
     np.testing.assert_allclose(f, 0.0, atol=1e-12 * np.abs(K).max())
@@ -408,12 +425,12 @@ def surface_area(mesh):
 # --- damping --------------------------------------------------------------------------------------
 
 
-def viscous(mesh, rng):
-    return SHELLS[mesh.element.name].viscous("plate", *mesh.tables, section(rng), 0.3)
+def viscous(mesh, rng, options=OPTIONS["unit"]):
+    return SHELLS[mesh.element.name].viscous("plate", *mesh.tables, Section(section(rng), **options), 0.3)
 
 
-def test_damping_leaves_rigid_motion_alone(mesh, rng):
-    block, q = viscous(mesh, rng), deformed(mesh, rng)
+def test_damping_leaves_rigid_motion_alone(mesh, rng, options):
+    block, q = viscous(mesh, rng, options), deformed(mesh, rng)
     spin = np.cross(rng.standard_normal(3), q.reshape(-1, 3))
     spin[mesh.is_position] += rng.standard_normal(3)
     typical = gathered_force(block, q, rng.standard_normal(q.shape))
@@ -421,24 +438,24 @@ def test_damping_leaves_rigid_motion_alone(mesh, rng):
     assert 0 <= block.dissipation(0.0, q, spin.reshape(-1)) < 1e-20 * block.dissipation(0.0, q, rng.standard_normal(q.shape))
 
 
-def test_damping_force_is_the_rate_of_the_elastic_one_in_its_power(mesh, rng):
-    block, q, v = viscous(mesh, rng), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
+def test_damping_force_is_the_rate_of_the_elastic_one_in_its_power(mesh, rng, options):
+    block, q, v = viscous(mesh, rng, options), deformed(mesh, rng), rng.standard_normal(mesh.rest.shape)
     assert gathered_force(block, q, v) @ v == pytest.approx(block.dissipation(0.0, q, v), rel=1e-12)
     assert block.dissipation(0.0, q, v) > 0
     assert block.energy(0.0, q) == 0.0
 
 
-def test_damping_at_rest_is_the_elastic_stiffness_times_the_retardation_time(mesh):
-    damper = viscous(mesh, np.random.default_rng(3))
-    shell = exact(mesh, np.random.default_rng(3))
+def test_damping_at_rest_is_the_elastic_stiffness_times_the_retardation_time(mesh, options):
+    damper = viscous(mesh, np.random.default_rng(3), options)
+    shell = exact(mesh, np.random.default_rng(3), options=options)
     D = dense(damper, mesh.rest, 0.0 * mesh.rest, 0.0, 1.0)[1]
     K = dense(shell, mesh.rest)[1]
     np.testing.assert_allclose(D, 0.3 * K, atol=1e-12 * np.abs(K).max())
 
 
 @pytest.mark.parametrize(("alpha_q", "alpha_v"), [(1.0, 0.0), (0.0, 1.0), (1.3, 0.7)])
-def test_damping_tangent(mesh, rng, alpha_q, alpha_v):
-    block, q, v, d = viscous(mesh, rng), deformed(mesh, rng), *rng.standard_normal((2, len(mesh.rest)))
+def test_damping_tangent(mesh, rng, options, alpha_q, alpha_v):
+    block, q, v, d = viscous(mesh, rng, options), deformed(mesh, rng), *rng.standard_normal((2, len(mesh.rest)))
     f, K = dense(block, q, v, alpha_q, alpha_v)
     numeric = derivative(lambda h: gathered_force(block, q + alpha_q * h * d, v + alpha_v * h * d), 2e-4)
     np.testing.assert_allclose(f, gathered_force(block, q, v), rtol=1e-14)

@@ -9,11 +9,13 @@ from shell_patch import SURFACES, dense, derivative, gathered_force, patch, rand
 import lamella as lm
 from lamella.element import ELEMENTS
 from lamella.element.plate48.block import HEATED, STRAIN_MODELS, HeatedElements
+from lamella.element.plate48.section import Section
 from lamella.math.rotation import matrix_from_vector
 
 XS, YS = [0.0, 0.5, 0.8, 1.5], [0.0, 0.4, 1.0, 1.3]  # nine elements: one full block of eight and one alone
 MODELS = ("exact", "linear", "floating", "floating at x-", "corotational")
 FRAMED = MODELS[2:]
+PLAIN, OTHER = {}, {"curvature": "cubed_normal", "membrane_gauss": 3}  # how a section is measured and integrated
 
 
 @pytest.fixture(params=list(SURFACES))
@@ -48,9 +50,10 @@ class Heated:
         return sum(dense(block, q, alpha_q=alpha_q)[1] for block in self.blocks)
 
 
-@pytest.fixture(params=MODELS)
+@pytest.fixture(params=[*((name, PLAIN) for name in MODELS), ("exact", OTHER), ("linear", OTHER), ("floating", OTHER)])
 def heated(request, mesh, rng):
-    return Heated(request.param, mesh, section(rng), rng.standard_normal((3, 3)))
+    name, options = request.param
+    return Heated(name, mesh, Section(section(rng), **options), rng.standard_normal((3, 3)))
 
 
 def state(mesh, rng, size=0.05):
@@ -85,10 +88,12 @@ def test_without_heat_nothing_changes(mesh, rng):
         assert warm.energy(q) == pytest.approx(cold.energy(0.0, q), rel=1e-13)
 
 
-@pytest.mark.parametrize("name", MODELS[1:])
-def test_models_agree_with_exact_strains_to_first_order(mesh, rng, name):
+@pytest.mark.parametrize(
+    ("name", "options"), [*((name, PLAIN) for name in MODELS[1:]), ("linear", OTHER), ("corotational", OTHER)]
+)
+def test_models_agree_with_exact_strains_to_first_order(mesh, rng, name, options):
     """Forces differ by the square, energies by the cube, of small deformations and temperatures of one size."""
-    C, expansion = section(rng), rng.standard_normal((3, 3))
+    C, expansion = Section(section(rng), **options), rng.standard_normal((3, 3))
     exact, small = Heated("exact", mesh, C, expansion), Heated(name, mesh, C, expansion)
     d = np.concatenate([0.0 * mesh.rest, np.zeros(small.n_T)]) + rng.standard_normal(small.n + small.n_T)
     rest = np.concatenate([mesh.rest, np.zeros(small.n_T)])

@@ -10,6 +10,7 @@ from lamella.verification.runner import find_cases, run_case
 
 CASES = (
     "liu-laminates",
+    "membrane-locking",
     "p1-static",
     "p2-static",
     "pagano-laminate",

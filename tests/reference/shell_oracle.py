@@ -55,10 +55,15 @@ def forms(d):
     return a, b, length, n0
 
 
-def local_strains(e, reference, lengths, xi, eta):
-    """(eps, kap) with doubled shear and twist in the local frame, shape (..., 6), and the reference area factor."""
+def local_strains(e, reference, lengths, xi, eta, *, cubed=False):
+    """(eps, kap) with doubled shear and twist in the local frame, shape (..., 6), and the reference area factor.
+
+    With ``cubed`` the present curvature is divided by the square of the stretch of area.
+    """
     d, d0 = surface(e, lengths, xi, eta), surface(reference, lengths, xi, eta)
-    (a, b, _, _), (a0, b0, area, normal) = forms(d), forms(d0)
+    (a, b, now, _), (a0, b0, area, normal) = forms(d), forms(d0)
+    if cubed:
+        b = b * ((area / now) ** 2)[..., None, None]
     first = d0[1, 0] / np.linalg.norm(d0[1, 0])
     axes = np.stack([first, np.cross(normal, first)])
     inverse = np.linalg.inv(np.stack([d0[1, 0], d0[0, 1]]) @ axes.T)
@@ -74,13 +79,29 @@ def gauss_grid(n):
     return [(xi, eta, u * w) for xi, u in places for eta, w in places]
 
 
-def energy(e, reference, lengths, stiffness, n_gauss=4):
-    """Strain energy of one element; complex coordinates are allowed."""
-    total = 0.0
-    for xi, eta, weight in gauss_grid(n_gauss):
-        s, area = local_strains(e, reference, lengths, xi, eta)
-        total = total + 0.5 * product(s @ stiffness, s) * area * weight * lengths[0] * lengths[1]
-    return total
+def energy(e, reference, lengths, stiffness, n_gauss=4, *, membrane_gauss=None, cubed=False):
+    """Strain energy of one element; complex coordinates are allowed.
+
+    With ``membrane_gauss`` the energy 1/2 N.A^-1 N of the in-plane forces is integrated by another rule than the rest.
+    """
+
+    def integral(density, n):
+        total = 0.0
+        for xi, eta, weight in gauss_grid(n):
+            s, area = local_strains(e, reference, lengths, xi, eta, cubed=cubed)
+            total = total + density(s) * area * weight * lengths[0] * lengths[1]
+        return total
+
+    def whole(s):
+        return 0.5 * product(s @ stiffness, s)
+
+    def in_plane(s):
+        N = s @ stiffness[:, :3]
+        return 0.5 * product(N @ np.linalg.inv(stiffness[:3, :3]), N)
+
+    if membrane_gauss is None:
+        return integral(whole, n_gauss)
+    return integral(in_plane, membrane_gauss) + integral(lambda s: whole(s) - in_plane(s), n_gauss)
 
 
 def complex_gradient(function, e, step=1e-30):
@@ -88,9 +109,9 @@ def complex_gradient(function, e, step=1e-30):
     return function(e + 1j * step * np.eye(48)).imag / step
 
 
-def force(e, reference, lengths, stiffness, n_gauss=4):
-    """dW/de."""
-    return complex_gradient(lambda x: energy(x, reference, lengths, stiffness, n_gauss), e)
+def force(e, reference, lengths, stiffness, n_gauss=4, **options):
+    """dW/de; the options are those of :func:`energy`."""
+    return complex_gradient(lambda x: energy(x, reference, lengths, stiffness, n_gauss, **options), e)
 
 
 def directional_derivative(function, direction, size):

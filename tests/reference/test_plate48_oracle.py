@@ -11,6 +11,7 @@ from lamella.element.packing import unpacked
 from lamella.element.plate48.block import ShellBlock, ShellInertia
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.recovery import ShellRecovery
+from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, product_order
 
 LENGTHS = (0.7, 0.4)
@@ -25,17 +26,31 @@ def reference(kind, rng):
     return vectors.reshape(48) + (0.1 * rng.standard_normal(48) if kind == "curved" else 0.0)
 
 
+@pytest.fixture(params=[False, True], ids=["unit", "cubed"])
+def cubed(request):
+    return request.param
+
+
+@pytest.fixture(params=[None, 3], ids=["one rule", "two rules"])
+def options(request, cubed):
+    """How the oracle is to measure curvature and to integrate the energy of the in-plane forces."""
+    return {"cubed": cubed, "membrane_gauss": request.param}
+
+
+def section(stiffness, cubed, membrane_gauss=None):
+    return Section(stiffness, curvature="cubed_normal" if cubed else "unit_normal", membrane_gauss=membrane_gauss)
+
+
 @pytest.fixture(params=["flat", "curved"])
 def case(request):
-    """Block of one element, its reference, a large deformation, and an unsymmetric section."""
+    """The tables of one element, its reference, a large deformation, and the stiffness of an unsymmetric section."""
     rng = np.random.default_rng(11)
     rest = reference(request.param, rng)
     root = rng.standard_normal((6, 6))
     stiffness = root @ root.T
     R = np.linalg.qr(rng.standard_normal((3, 3)))[0]
     e = (rest.reshape(-1, 3) @ (R * np.sign(np.linalg.det(R))).T).reshape(-1) + 0.15 * rng.standard_normal(48)
-    block = ShellBlock("plate", np.arange(48)[None], SCALE[None], rest[None], stiffness)
-    return block, rest, e, stiffness
+    return ("plate", np.arange(48)[None], SCALE[None], rest[None]), rest, e, stiffness
 
 
 def tangent(block, e, previous):
@@ -50,40 +65,45 @@ def tangent(block, e, previous):
     return force, K + K.T - np.diag(np.diag(K))
 
 
-def test_energy_and_force(case):
-    block, rest, e, stiffness = case
+def test_energy_and_force(case, options):
+    tables, rest, e, stiffness = case
+    block = ShellBlock(*tables, section(stiffness, **options))
     f = tangent(block, e, e)[0]
-    expected = oracle.force(e, rest, LENGTHS, stiffness)
-    assert block.energy(0.0, e) == pytest.approx(oracle.energy(e, rest, LENGTHS, stiffness), rel=1e-13)
+    expected = oracle.force(e, rest, LENGTHS, stiffness, **options)
+    assert block.energy(0.0, e) == pytest.approx(oracle.energy(e, rest, LENGTHS, stiffness, **options), rel=1e-13)
     np.testing.assert_allclose(f, expected, atol=1e-12 * np.abs(expected).max())
 
 
-def test_tangent_against_differences_of_complex_steps(case):
-    block, rest, e, stiffness = case
+def test_tangent_against_differences_of_complex_steps(case, options):
+    tables, rest, e, stiffness = case
+    block = ShellBlock(*tables, section(stiffness, **options))
     K = tangent(block, e, e)[1]
     rng = np.random.default_rng(5)
     for _ in range(3):
         d = rng.standard_normal(48)
-        numeric = oracle.directional_derivative(lambda h: oracle.force(e + h, rest, LENGTHS, stiffness), d, 1e-4)
+        numeric = oracle.directional_derivative(lambda h: oracle.force(e + h, rest, LENGTHS, stiffness, **options), d, 1e-4)
         np.testing.assert_allclose(K @ d, numeric, atol=1e-9 * np.abs(numeric).max())
 
 
-def test_geometric_part_takes_extrapolated_resultants(case):
+def test_geometric_part_takes_extrapolated_resultants(case, cubed):
     """(K_mixed - K) d = D_d grad sum w (N_lin - N) . s, with N_lin from the strains' linear extrapolation."""
-    block, rest, e, stiffness = case
+    tables, rest, e, stiffness = case
+    block = ShellBlock(*tables, section(stiffness, cubed))
     rng = np.random.default_rng(6)
     before, d = e - 0.03 * rng.standard_normal(48), rng.standard_normal(48)
 
     def excess(xi, eta):
-        s_before = oracle.local_strains(before + 1e-30j * (e - before), rest, LENGTHS, xi, eta)[0]
-        return stiffness @ (s_before.real + s_before.imag / 1e-30 - oracle.local_strains(e, rest, LENGTHS, xi, eta)[0])
+        s_before = oracle.local_strains(before + 1e-30j * (e - before), rest, LENGTHS, xi, eta, cubed=cubed)[0]
+        return stiffness @ (
+            s_before.real + s_before.imag / 1e-30 - oracle.local_strains(e, rest, LENGTHS, xi, eta, cubed=cubed)[0]
+        )
 
     forces = [(xi, eta, w, excess(xi, eta)) for xi, eta, w in oracle.gauss_grid(4)]
 
     def potential(state):
         total = 0.0
         for xi, eta, w, n in forces:
-            s, area = oracle.local_strains(state, rest, LENGTHS, xi, eta)
+            s, area = oracle.local_strains(state, rest, LENGTHS, xi, eta, cubed=cubed)
             total = total + w * area * (s @ n) * LENGTHS[0] * LENGTHS[1]
         return total
 
@@ -93,13 +113,14 @@ def test_geometric_part_takes_extrapolated_resultants(case):
     np.testing.assert_allclose((K_mixed - tangent(block, e, e)[1]) @ d, expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_recovered_strains_and_normal(case):
-    _, rest, e, _ = case
-    recovery = ShellRecovery(Plate48(), np.arange(48)[None], SCALE[None], rest[None])
+def test_recovered_strains_and_normal(case, cubed):
+    _, rest, e, stiffness = case
+    curvature = section(stiffness, cubed).curvature
+    recovery = ShellRecovery(Plate48(), np.arange(48)[None], SCALE[None], rest[None], curvature=curvature)
     xi, eta = np.array([0.0, 0.3, 1.0]), np.array([0.5, 0.9, 0.0])
     found = recovery.at(e, np.zeros(3, int), xi, eta)
     for k in range(3):
-        expected = oracle.local_strains(e, rest, LENGTHS, xi[k], eta[k])[0]
+        expected = oracle.local_strains(e, rest, LENGTHS, xi[k], eta[k], cubed=cubed)[0]
         derivatives = oracle.surface(e, LENGTHS, xi[k], eta[k])
         np.testing.assert_allclose(found.strains[k], expected, atol=1e-12 * np.abs(expected).max())
         np.testing.assert_allclose(found.n[k], oracle.forms(derivatives)[3], atol=1e-13)

@@ -352,6 +352,8 @@ def test_templates_are_valid(name: str) -> None:
         ("mesh: [2, 3]", "mesh: [0, 3]", "system.plate.mesh[0]", "found 0; accepted is a value at least 1"),
         ("mesh: [2, 3]", "mesh: [2, 3, 4]", "system.plate.mesh", "the list has 3 items; accepted are 2"),
         ("mesh: [2, 3]", "mesh: many", "system.plate.mesh", "found 'many'"),
+        ("type: plate\n", "membrane_gauss: 2\n    type: plate\n", "system.plate.membrane_gauss", "found 2; accepted are 3, 4"),
+        ("type: plate\n", "curvature: cubed\n    type: plate\n", "system.plate.curvature", "unit_normal"),
         ("mesh: [2, 3]", "mash: [2, 3]", "system.plate.mash", "did you mean 'mesh'?"),
         ("laminate: cross\n", "laminate: crossed\n", "system.plate.laminate", "did you mean 'cross'?"),
         ("tip: [1500 mm, 1]", "tip: [1600 mm, 1]", "system.plate.markers.tip", "marker 'tip' lies outside the plate"),
@@ -498,11 +500,20 @@ def test_errors_of_a_file_name_its_path(tmp_path: Path) -> None:
         read_model(path)
 
 
+def test_curvature_and_rules_of_a_file_reach_the_section() -> None:
+    text = changed("mesh: [2, 3]", "mesh: [2, 3]\n    curvature: cubed_normal\n    membrane_gauss: 3")
+    section = loads(text).system.compile().plates[0].section
+    assert (section.curvature, section.membrane_gauss) == ("cubed_normal", 3)
+
+
 def test_schema_describes_units_defaults_and_references() -> None:
     schema = json_schema()
     json.dumps(schema, allow_nan=False)
     plate = schema["$defs"]["Plate"]["properties"]
     assert plate["n_gauss"]["default"] == 4
+    assert plate["curvature"]["enum"] == ["unit_normal", "cubed_normal"]
+    assert plate["curvature"]["default"] == "unit_normal"
+    assert {"enum": [3, 4], "type": "integer"} in plate["membrane_gauss"]["anyOf"]
     assert "Kelvin-Voigt" in plate["damping"]["description"]
     length = schema["$defs"]["Lamina"]["properties"]["E1"]
     assert length["unit"] == "Pa"

@@ -11,7 +11,7 @@ from lamella.body.mesh_checks import check_folds, check_loops
 from lamella.body.sample import PlateSample
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.recovery import ShellRecovery
-from lamella.element.plate48.section import Section
+from lamella.element.plate48.section import Curvature, Section
 from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
 from lamella.roles import Floats, Ints
@@ -40,17 +40,27 @@ class PlateMesh:
         element: the finite element.
         laminate: the section.
         strain: the strain model's name.
+        curvature: the definition of curvature.
+        membrane_gauss: Gauss points for the in-plane forces, see :class:`Section`.
 
     Raises:
         DeclarationError: a surface whose ends should meet and do not, or too few elements around.
     """
 
     def __init__(
-        self, name: str, surface: Surface, counts: tuple[int, int], element: ElementSpec, laminate: Laminate, strain: str
+        self,
+        name: str,
+        surface: Surface,
+        counts: tuple[int, int],
+        element: ElementSpec,
+        laminate: Laminate,
+        strain: str,
+        curvature: Curvature = "unit_normal",
+        membrane_gauss: int | None = None,
     ) -> None:
         self.name, self.surface, self.element, self.laminate, self.strain = name, surface, element, laminate, strain
         self.size = size = surface.size
-        self.section = Section(laminate.stiffness)
+        self.section = Section(laminate.stiffness, curvature=curvature, membrane_gauss=membrane_gauss)
         self.mass_per_area: float | Floats = laminate.mass_per_area
         self.thickness_factors: Floats | None = None
         self.temperature: TemperatureSource | None = None
@@ -166,7 +176,9 @@ class PlateMesh:
         index = (j[:, None] * self.nx + i[None, :]).reshape(-1)
         points_xi = np.broadcast_to(xi - i, (len(eta), len(xi))).reshape(-1)
         points_eta = np.broadcast_to((eta - j)[:, None], (len(eta), len(xi))).reshape(-1)
-        recovery = ShellRecovery(self.element, self.coords, self.scale, self.reference, self.section.direction)
+        recovery = ShellRecovery(
+            self.element, self.coords, self.scale, self.reference, self.section.direction, self.section.curvature
+        )
         found = recovery.at(q, index, points_xi, points_eta)
         strains = found.strains
         if self.section.prestrain is not None:

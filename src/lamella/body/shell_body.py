@@ -16,7 +16,7 @@ from lamella.declaration import declaration
 from lamella.element.base import ELEMENTS
 from lamella.element.plate48.damping import MassDampingBlock
 from lamella.element.plate48.frame_groups import FramePlace
-from lamella.element.plate48.section import Section
+from lamella.element.plate48.section import Curvature, Section
 from lamella.element.shells import SHELLS
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
@@ -85,6 +85,10 @@ class ShellBody(MeshedBody):
         frame_at: what the frame of ``floating`` follows: the ``mean`` gradient over the body, or that over one of its edges (the
             one that is clamped, for example).
         n_gauss: Gauss points in each direction of an element.
+        membrane_gauss: fewer points, for the energy of the in-plane forces alone; None stands for ``n_gauss``. It eases membrane
+            locking of elements that bend far. At least 3, and more than one element then.
+        curvature: ``unit_normal``, kap = r_xx.n/|n| with n = r_x x r_y; or ``cubed_normal``, kap = r_xx.n/|n|^3 (Dufva and
+            Shabana), which is smaller by the square of the stretch of area.
         damping: Kelvin-Voigt retardation time c [s]: stress C (E + c dE/dt) with the strains E of the strain model. Rigid
             rotation is not damped, but with ``linear``.
         mass_damping: mass-proportional damping [1/s]: force -c M v; it damps every motion.
@@ -107,6 +111,8 @@ class ShellBody(MeshedBody):
     strain: Literal["exact", "linear", "floating", "corotational", "rigid"] = "exact"
     frame_at: FramePlace = "mean"
     n_gauss: Literal[3, 4, 5] = 4
+    membrane_gauss: Literal[3, 4] | None = None
+    curvature: Curvature = "unit_normal"
     damping: Seconds = 0.0
     mass_damping: Rate = 0.0
     ply_direction: tuple[Number, Number, Number] | None = None
@@ -147,6 +153,8 @@ class ShellBody(MeshedBody):
         if rows is not None and (len(rows) != ny or any(len(row) != nx for row in rows)):
             shape = f"{len(rows)} rows of {', '.join(str(n) for n in sorted({len(row) for row in rows}))}"
             raise DeclarationError(self.item, f"thickness_factors has {shape}", f"accepted are {ny} rows of {nx} numbers")
+        if self.membrane_gauss is not None:
+            self._check_reduced(self.membrane_gauss)
         for name, at in self.markers.items():
             self._check_inside(name, at)
 
@@ -176,7 +184,16 @@ class ShellBody(MeshedBody):
         from lamella.body.signals import marker_signals  # the signals need the compiled mesh
 
         turn = matrix_from_vector(np.asarray(self.rotation))
-        mesh = PlateMesh(self.name, self.geometry, self.mesh, ELEMENTS[self.element], self.laminate, self.strain)
+        mesh = PlateMesh(
+            self.name,
+            self.geometry,
+            self.mesh,
+            ELEMENTS[self.element],
+            self.laminate,
+            self.strain,
+            self.curvature,
+            self.membrane_gauss,
+        )
         if self.thickness_factors is not None:
             mesh.thicken(np.array(self.thickness_factors).reshape(-1))
         mesh.orient(None if self.ply_direction is None else turn @ self.ply_direction, self.prestrain)
@@ -221,6 +238,20 @@ class ShellBody(MeshedBody):
     def frame(self, build: Build, at: tuple[float, ...], axes: Floats) -> Frame:
         """A frame at (x, y) that turns with the tangents and the exact normal."""
         return plate_frame(build, self.compiled(build), at, axes)
+
+    def _check_reduced(self, points: int) -> None:
+        if points > self.n_gauss:
+            raise DeclarationError(
+                self.item,
+                f"membrane_gauss = {points} with n_gauss = {self.n_gauss}",
+                f"accepted is a number up to {self.n_gauss}, or none",
+            )
+        if points == 3 and self.mesh == (1, 1):
+            raise DeclarationError(
+                self.item,
+                "membrane_gauss = 3 on a single element, which leaves motions in its plane without stiffness",
+                "accepted is a mesh of two or more elements, or membrane_gauss = 4",
+            )
 
     def _check_inside(self, name: str, at: tuple[float, float]) -> None:
         for value, length, axis in zip(at, self.geometry.size, "xy", strict=True):

@@ -8,14 +8,14 @@ from scipy.sparse import csr_array
 from lamella.element.packing import aligned
 from lamella.element.plate48 import damping_kernels as kernels
 from lamella.element.plate48.entries import all_entries
-from lamella.element.plate48.layout import GaussTables, Plate48Block
+from lamella.element.plate48.layout import Plate48Block, gauss_tables
 from lamella.element.plate48.section import Section
 from lamella.lane import WIDTH
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
 
 
 class KelvinVoigtBlock(Plate48Block):
-    """Viscous resultants c C dE/dt on the strains E = (eps, kap): f = int (dE/dq)^T c C dE/dt dA.
+    """Viscous resultants c C dE/dt on the strains E = (eps, kap) of the section's definition: f = int (dE/dq)^T c C dE/dt dA.
 
     Rigid motion has no strain rate, so it is not damped. The tangent is not symmetric, but its unsymmetric part is small.
 
@@ -39,21 +39,29 @@ class KelvinVoigtBlock(Plate48Block):
         self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, time: float, n_gauss: int = 4
     ) -> None:
         super().__init__(name, coords, scale, reference, *all_entries())
-        tables = GaussTables(self, Section.of(section).times(time), n_gauss)
-        self._tables = (self._index, self._scale, tables.sections, tables.table, tables.n)
+        self._arguments = self.kernel_arguments(gauss_tables(self, Section.of(section).times(time), n_gauss))
         self._work, self._power = aligned(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         self._unused = np.empty(len(self.f_coords))
+        if len(self._arguments) > 1:
+            self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.k_rows.size), self._power.copy()
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force."""
-        kernels.viscous_force(q, v, *self._tables, self._work, f, self._power)
+        kernels.viscous_force(q, v, *self._arguments[0], self._work, f, self._power)
+        for arguments in self._arguments[1:]:
+            kernels.viscous_force(q, v, *arguments, self._work, self._f, self._part_power)
+            f += self._f
+            self._power += self._part_power
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Viscous force and its exact tangent."""
         self.force(t, q, v, f)
-        kernels.viscous_tangent(q, v, alpha_q, alpha_v, *self._tables, self._work, k)
+        kernels.viscous_tangent(q, v, alpha_q, alpha_v, *self._arguments[0], self._work, k)
+        for arguments in self._arguments[1:]:
+            kernels.viscous_tangent(q, v, alpha_q, alpha_v, *arguments, self._work, self._k)
+            k += self._k
 
     def energy(self, t: float, q: Floats) -> float:
         """No potential."""

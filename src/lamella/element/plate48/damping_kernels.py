@@ -2,7 +2,7 @@
 
 With the rates of the strains sdot = (ds/dg) gdot and the viscous stiffness C, the resultants N_d = C sdot give
 
-    f = (ds/dq)^T N_d,   df/dv = (ds/dq)^T C (ds/dq),   df/dq = sum_m N_d,m d2s_m/dq2 + (ds/dq)^T C (dsdot/dq)
+    f = (ds/dq)^T N_d,   df/dv = (ds/dq)^T C (ds/dq),   df/dq = sum_k N_d,k d2s_k/dq2 + (ds/dq)^T C (dsdot/dq)
 
 and dissipate N_d . sdot. The last term is not symmetric. The rates vanish in rigid motion, whatever its speed.
 """
@@ -13,7 +13,7 @@ from typing import Any
 
 from lamella._jit import inlined, njit
 from lamella.element.plate48.contraction import contract_eta, contract_xi
-from lamella.element.plate48.hessian import hessian_factors, store_hessian
+from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
     N_SECTION,
     gather,
@@ -23,37 +23,43 @@ from lamella.element.plate48.interpolation import (
     spread_xi,
     stiffness,
 )
-from lamella.element.plate48.strain import Vector, combined, dot, energy_density, gradient, resultants, scaled, surface_frame
+from lamella.element.plate48.strain import (
+    Cubed,
+    Vector,
+    combined,
+    combined3,
+    dot,
+    energy_density,
+    gradient,
+    normal_change,
+    resultants,
+    scaled,
+    surface_frame,
+)
 from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats, Ints
 
 
 @inlined
-def normal_rate(v: tuple[Vector, ...], n0: Vector, d1: Vector, d2: Vector) -> Vector:
-    """Rate of the unit normal, - d_i (n0 . gdot_i)."""
-    return combined(-dot(n0, v[0]), d1, -dot(n0, v[1]), d2)
-
-
-@inlined
-def strain_rates(g: tuple[Vector, ...], v: tuple[Vector, ...], n0: Vector, n0_rate: Vector) -> tuple[Any, ...]:
+def strain_rates(g: tuple[Vector, ...], v: tuple[Vector, ...], m: Vector, m_rate: Vector) -> tuple[Any, ...]:
     """Rates of the six strains; v = gdot."""
     return (
         dot(g[0], v[0]),
         dot(g[1], v[1]),
         dot(g[0], v[1]) + dot(g[1], v[0]),
-        dot(v[2], n0) + dot(g[2], n0_rate),
-        dot(v[3], n0) + dot(g[3], n0_rate),
-        dot(v[4], n0) + dot(g[4], n0_rate),
+        dot(v[2], m) + dot(g[2], m_rate),
+        dot(v[3], m) + dot(g[3], m_rate),
+        dot(v[4], m) + dot(g[4], m_rate),
     )
 
 
 @inlined
-def _christoffel_rates(d: Vector, gamma1: Vector, gamma2: Vector, b: Vector, v: tuple[Vector, ...], n0_rate: Vector) -> Vector:
-    """Rates of gamma_a = g_a . d for the three second derivatives, with d one of the dual vectors and b_a = g_a . n0.
+def _christoffel_rates(d: Vector, gamma1: Vector, gamma2: Vector, b: Vector, v: tuple[Vector, ...], normal: Any) -> Vector:
+    """Rates of gamma_a = g_a . d for the three second derivatives, with d one of the dual vectors and b_a = g_a . m.
 
-    d(gamma_a)/dt = d . (gdot_a - gamma_a^1 rdot_x - gamma_a^2 rdot_y) - b_a d . n0dot
+    d(gamma_a)/dt = d . (gdot_a - gamma_a^1 rdot_x - gamma_a^2 rdot_y) - b_a d . normal,  normal = mdot / m.m
     """
-    x, y, n = dot(d, v[0]), dot(d, v[1]), dot(d, n0_rate)
+    x, y, n = dot(d, v[0]), dot(d, v[1]), dot(d, normal)
     return (
         dot(d, v[2]) - gamma1[0] * x - gamma2[0] * y - b[0] * n,
         dot(d, v[3]) - gamma1[1] * x - gamma2[1] * y - b[1] * n,
@@ -76,34 +82,63 @@ def _store_vector(work: Floats, at: int, u: Vector) -> None:
 
 @inlined
 def _store_row(
-    c: tuple[Any, ...], v: tuple[Vector, ...], n0: Vector, n0_rate: Vector, gammas: Any, work: Floats, at: int
+    c: tuple[Any, ...],
+    v: tuple[Vector, ...],
+    m: Vector,
+    m_rate: Vector,
+    gammas: Any,
+    duals: Any,
+    work: Floats,
+    at: int,
+    cubed: Cubed,
 ) -> None:
-    """Store C_m . dsdot/dg, five vectors, for the row C_m of the stiffness; gammas: gamma^1, gamma^2 and their rates."""
+    """Store C_k . dsdot/dg, five vectors, for the row C_k of the stiffness.
+
+    Args:
+        gammas: gamma^1, gamma^2 and their rates.
+        duals: b, its rate, d1, d2 and their rates.
+        others: as everywhere in this file.
+    """
     bending = (c[3], c[4], c[5])
     x, y = combined(c[0], v[0], c[2], v[1]), combined(c[2], v[0], c[1], v[1])
-    for_x = combined(dot(bending, gammas[0]), n0_rate, dot(bending, gammas[2]), n0)
-    for_y = combined(dot(bending, gammas[1]), n0_rate, dot(bending, gammas[3]), n0)
+    for_x = combined(dot(bending, gammas[0]), m_rate, dot(bending, gammas[2]), m)
+    for_y = combined(dot(bending, gammas[1]), m_rate, dot(bending, gammas[3]), m)
+    if cubed is not None:
+        twice, twice_rate = 2.0 * dot(bending, duals[0]), 2.0 * dot(bending, duals[1])
+        for_x = combined3(1.0, for_x, twice_rate, duals[2], twice, duals[4])
+        for_y = combined3(1.0, for_y, twice_rate, duals[3], twice, duals[5])
     _store_vector(work, at, combined(1.0, x, -1.0, for_x))
     _store_vector(work, at + 3, combined(1.0, y, -1.0, for_y))
-    _store_vector(work, at + 6, scaled(c[3], n0_rate))
-    _store_vector(work, at + 9, scaled(c[4], n0_rate))
-    _store_vector(work, at + 12, scaled(c[5], n0_rate))
+    _store_vector(work, at + 6, scaled(c[3], m_rate))
+    _store_vector(work, at + 9, scaled(c[4], m_rate))
+    _store_vector(work, at + 12, scaled(c[5], m_rate))
 
 
 @inlined
-def _store_rate_rows(g: Any, v: Any, n0: Vector, n0_rate: Vector, d1: Vector, d2: Vector, c: Any, work: Floats, at: int) -> Any:
-    """Store C dsdot/dg, (6, 5, component), and return the Christoffel symbols."""
-    gamma1, gamma2, b = _projected(g, d1), _projected(g, d2), _projected(g, n0)
-    rates1 = _christoffel_rates(d1, gamma1, gamma2, b, v, n0_rate)
-    rates2 = _christoffel_rates(d2, gamma1, gamma2, b, v, n0_rate)
+def _dual_rate(d: Vector, v: Any, d1: Vector, d2: Vector, m: Vector, normal: Vector) -> Vector:
+    """Rate of a dual vector d, - (d . rdot_x) d1 - (d . rdot_y) d2 - (d . mdot / m.m) m."""
+    return combined3(-dot(d, v[0]), d1, -dot(d, v[1]), d2, -dot(d, normal), m)
+
+
+@inlined
+def _store_rate_rows(
+    g: Any, v: Any, m: Vector, m_rate: Vector, d1: Vector, d2: Vector, c: Any, work: Floats, at: int, cubed: Cubed
+) -> Any:
+    """Store C dsdot/dg, (6, 5, component), and return the Christoffel symbols and b."""
+    gamma1, gamma2, b = _projected(g, d1), _projected(g, d2), _projected(g, m)
+    normal = m_rate if cubed is None else scaled(1.0 / dot(m, m), m_rate)
+    rates1 = _christoffel_rates(d1, gamma1, gamma2, b, v, normal)
+    rates2 = _christoffel_rates(d2, gamma1, gamma2, b, v, normal)
     gammas = (gamma1, gamma2, rates1, rates2)
-    _store_row((c[0], c[1], c[2], c[3], c[4], c[5]), v, n0, n0_rate, gammas, work, at)
-    _store_row((c[1], c[6], c[7], c[8], c[9], c[10]), v, n0, n0_rate, gammas, work, at + 15)
-    _store_row((c[2], c[7], c[11], c[12], c[13], c[14]), v, n0, n0_rate, gammas, work, at + 30)
-    _store_row((c[3], c[8], c[12], c[15], c[16], c[17]), v, n0, n0_rate, gammas, work, at + 45)
-    _store_row((c[4], c[9], c[13], c[16], c[18], c[19]), v, n0, n0_rate, gammas, work, at + 60)
-    _store_row((c[5], c[10], c[14], c[17], c[19], c[20]), v, n0, n0_rate, gammas, work, at + 75)
-    return gamma1, gamma2
+    b_rate = combined(1.0, _projected(v, m), 1.0, _projected(g, m_rate))
+    duals = (b, b_rate, d1, d2, _dual_rate(d1, v, d1, d2, m, normal), _dual_rate(d2, v, d1, d2, m, normal))
+    _store_row((c[0], c[1], c[2], c[3], c[4], c[5]), v, m, m_rate, gammas, duals, work, at, cubed)
+    _store_row((c[1], c[6], c[7], c[8], c[9], c[10]), v, m, m_rate, gammas, duals, work, at + 15, cubed)
+    _store_row((c[2], c[7], c[11], c[12], c[13], c[14]), v, m, m_rate, gammas, duals, work, at + 30, cubed)
+    _store_row((c[3], c[8], c[12], c[15], c[16], c[17]), v, m, m_rate, gammas, duals, work, at + 45, cubed)
+    _store_row((c[4], c[9], c[13], c[16], c[18], c[19]), v, m, m_rate, gammas, duals, work, at + 60, cubed)
+    _store_row((c[5], c[10], c[14], c[17], c[19], c[20]), v, m, m_rate, gammas, duals, work, at + 75, cubed)
+    return gamma1, gamma2, b
 
 
 @inlined
@@ -115,21 +150,25 @@ def _scaled21(a: float, c: Any) -> Any:
 
 
 @inlined
-def _store_small(work: Floats, at: int, r_x: Vector, r_y: Vector, n0: Vector, gamma1: Vector, gamma2: Vector) -> None:
-    """Store five vectors that make up ds/dg."""
-    _store_vector(work, at, r_x)
-    _store_vector(work, at + 3, r_y)
-    _store_vector(work, at + 6, n0)
-    _store_vector(work, at + 9, gamma1)
-    _store_vector(work, at + 12, gamma2)
+def _store_small(work: Floats, at: int, g: Any, m: Vector, d1: Vector, d2: Vector, gammas: Any, cubed: Cubed) -> None:
+    """Store the vectors that make up ds/dg; gammas: gamma^1, gamma^2 and b."""
+    _store_vector(work, at, g[0])
+    _store_vector(work, at + 3, g[1])
+    _store_vector(work, at + 6, m)
+    _store_vector(work, at + 9, gammas[0])
+    _store_vector(work, at + 12, gammas[1])
+    if cubed is not None:
+        _store_vector(work, at + 15, gammas[2])
+        _store_vector(work, at + 18, d1)
+        _store_vector(work, at + 21, d2)
 
 
 @njit
-def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: int, c: int, d: int) -> None:
+def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: int, c: int, d: int, cubed: Cubed) -> None:
     """Add (ds/dg)^T C dsdot/dg to the symmetric part for the components (c, d) and store the 25 entries at ``target``."""
     low, high = min(c, d), max(c, d)
     source = symmetric + (low * (5 - low) // 2 + high) * 25
-    r_x, r_y, n0 = load(work, small + c), load(work, small + 3 + c), load(work, small + 6 + c)
+    r_x, r_y, m = load(work, small + c), load(work, small + 3 + c), load(work, small + 6 + c)
     down, across = (5, 1) if c <= d else (1, 5)
     for v in range(5):
         at, column = rates + 3 * v + d, source + across * v
@@ -138,11 +177,15 @@ def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: in
         s = small + 9
         along1 = load(work, s) * y3 + load(work, s + 1) * y4 + load(work, s + 2) * y5
         along2 = load(work, s + 3) * y3 + load(work, s + 4) * y4 + load(work, s + 5) * y5
-        store(work, target + v, load(work, column) + r_x * y0 + r_y * y2 - n0 * along1)
-        store(work, target + 5 + v, load(work, column + down) + r_y * y1 + r_x * y2 - n0 * along2)
-        store(work, target + 10 + v, load(work, column + 2 * down) + n0 * y3)
-        store(work, target + 15 + v, load(work, column + 3 * down) + n0 * y4)
-        store(work, target + 20 + v, load(work, column + 4 * down) + n0 * y5)
+        for_x, for_y = r_x * y0 + r_y * y2 - m * along1, r_y * y1 + r_x * y2 - m * along2
+        if cubed is not None:
+            twice = 2.0 * (load(work, s + 6) * y3 + load(work, s + 7) * y4 + load(work, s + 8) * y5)
+            for_x, for_y = for_x - load(work, small + 18 + c) * twice, for_y - load(work, small + 21 + c) * twice
+        store(work, target + v, load(work, column) + for_x)
+        store(work, target + 5 + v, load(work, column + down) + for_y)
+        store(work, target + 10 + v, load(work, column + 2 * down) + m * y3)
+        store(work, target + 15 + v, load(work, column + 3 * down) + m * y4)
+        store(work, target + 20 + v, load(work, column + 4 * down) + m * y5)
 
 
 @inlined
@@ -163,6 +206,7 @@ def viscous_force(
     sections: Floats,
     table: Floats,
     n: int,
+    cubed: Cubed,
     work: Floats,
     f: Floats,
     power: Floats,
@@ -175,11 +219,11 @@ def viscous_force(
         for j in range(n):
             for i in range(n):
                 g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
-                n0, d1, d2 = surface_frame(g[0], g[1])
-                s_rate = strain_rates(g, g_rate, n0, normal_rate(g_rate, n0, d1, d2))
+                m, d1, d2 = surface_frame(g[0], g[1], cubed)
+                s_rate = strain_rates(g, g_rate, m, normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed))
                 res = resultants(stiffness(sections, ((block * n + j) * n + i) * N_SECTION), s_rate)
                 total = total + 2.0 * energy_density(res, s_rate)
-                spread_xi(gradient(g, n0, d1, d2, res), work, sums + j * 36, table, i, i == 0)
+                spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)
         store(power, block, total)
 
@@ -195,12 +239,13 @@ def viscous_tangent(
     sections: Floats,
     table: Floats,
     n: int,
+    cubed: Cubed,
     work: Floats,
     k: Floats,
 ) -> None:
     """alpha_q df/dq + alpha_v df/dv of the viscous force, all entries, k (block, 2304)."""
     lines, rates, small = 48, 48 + 36 * n, 48 + 72 * n
-    rows = small + 15
+    rows = small + (15 if cubed is None else 24)
     symmetric = rows + 90
     z = symmetric + 150
     partial = z + 15 * n
@@ -218,17 +263,17 @@ def viscous_tangent(
                     scaled(alpha_q, g_rate[3]),
                     scaled(alpha_q, g_rate[4]),
                 )
-                n0, d1, d2 = surface_frame(g[0], g[1])
-                n0_rate = normal_rate(g_rate, n0, d1, d2)
+                m, d1, d2 = surface_frame(g[0], g[1], cubed)
+                m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
                 c = stiffness(sections, ((block * n + j) * n + i) * N_SECTION)
-                gamma1, gamma2 = _store_rate_rows(g, g_rate, n0, n0_rate, d1, d2, c, work, rows)
-                _store_small(work, small, g[0], g[1], n0, gamma1, gamma2)
-                res = resultants(c, strain_rates(g, g_rate, n0, n0_rate))
+                gammas = _store_rate_rows(g, g_rate, m, m_rate, d1, d2, c, work, rows, cubed)
+                _store_small(work, small, g, m, d1, d2, gammas, cubed)
+                res = resultants(c, strain_rates(g, g_rate, m, m_rate))
                 c = _scaled21(alpha_v, c)
-                store_hessian(work, symmetric, 25, hessian_factors(g, n0, d1, d2, c, res), c, res)
+                store_hessian(work, symmetric, 25, g, m, d1, d2, c, res, cubed)
                 for pair in range(9):
                     target = hessian + ((pair * n + i) * n + j) * 25
-                    _merge_pair(work, small, rows, symmetric, target, pair // 3, pair % 3)
+                    _merge_pair(work, small, rows, symmetric, target, pair // 3, pair % 3, cubed)
         for pair in range(9):
             for i in range(n):
                 contract_eta(work, hessian + (pair * n + i) * n * 25, z, partial, table, n, i, False)
@@ -237,4 +282,4 @@ def viscous_tangent(
 
 def viscous_work_size(n: int) -> int:
     """Lanes of work space for n x n Gauss points."""
-    return 48 + 2 * 36 * n + 15 + 90 + 150 + 15 * n + 144 * n + 9 * n * n * 25 + 36 * n
+    return 48 + 2 * 36 * n + 24 + 90 + 150 + 15 * n + 144 * n + 9 * n * n * 25 + 36 * n

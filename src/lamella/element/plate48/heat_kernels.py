@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from lamella._jit import inlined, njit
 from lamella.element.plate48.interpolation import N_SECTION, gather, interpolate_eta, interpolate_xi, spread_eta, spread_xi
-from lamella.element.plate48.strain import Vector, dot, gradient, scaled, surface_frame
+from lamella.element.plate48.strain import Cubed, Vector, dot, gradient, scaled, surface_frame
 from lamella.lane import WIDTH, load, spread, sqrt, store
 from lamella.roles import Floats, Ints
 
@@ -57,7 +57,7 @@ def _six(array: Floats, at: int) -> tuple[Floats, ...]:
 
 @njit
 def thermal_tangent(
-    q: Floats, index: Ints, scale: Floats, table: Floats, corners: Floats, n: int, stress: Floats, factor: float,
+    q: Floats, index: Ints, scale: Floats, table: Floats, corners: Floats, n: int, cubed: Cubed, stress: Floats, factor: float,
     work: Floats, k: Floats,
 ) -> None:  # fmt: skip
     """-factor (ds/dq)^T C ds_T/dT, k (block, 8, 48): the derivative of the elastic force by each temperature."""
@@ -69,9 +69,9 @@ def thermal_tangent(
             for i in range(n):
                 at = 12 * ((block * n + j) * n + i)
                 g = interpolate_xi(work, lines, table, i, j)
-                n0, d1, d2 = surface_frame(g[0], g[1])
-                mean = gradient(g, n0, d1, d2, _six(stress, at))
-                slope = gradient(g, n0, d1, d2, _six(stress, at + 6))
+                normal, d1, d2 = surface_frame(g[0], g[1], cubed)
+                mean = gradient(g, normal, d1, d2, _six(stress, at), cubed)
+                slope = gradient(g, normal, d1, d2, _six(stress, at + 6), cubed)
                 for m in range(4):
                     w = -factor * _corner(corners, i, j, m)
                     spread_xi(_scaled5(w, mean), work, sums + m * 36 * n + 36 * j, table, i, i == 0)

@@ -8,10 +8,10 @@ from lamella.element.packing import aligned, packed, packed_indices, packed_targ
 from lamella.element.plate48 import heat_kernels as kernels
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.interpolation import N_SECTION
-from lamella.element.plate48.layout import Plate48Block
+from lamella.element.plate48.layout import GaussTables, Plate48Block, gauss_tables
 from lamella.element.plate48.section import Section
-from lamella.element.plate48.shape import Plate48, gauss_points, product_order
-from lamella.element.plate48.surface import derivatives_at_points, reference_surface, strain_transform_6
+from lamella.element.plate48.shape import hermite_table, product_order
+from lamella.element.plate48.strain import Cubed
 from lamella.lane import WIDTH
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, ForceBlock, Ints, Symmetry
@@ -49,25 +49,17 @@ class HeatedShellBlock(ShellBlock):
         expansion: Floats,
     ) -> None:
         super().__init__(name, coords, scale, reference, section, n_gauss)
-        self.temperatures, section = temperatures, Section.of(section)
+        self.temperatures = temperatures
         a0, a1, a2 = np.asarray(expansion, float)
         resultants = np.array([np.concatenate([a0, -a1]), np.concatenate([a1, -a2])])
-        xi, eta, weights = gauss_points(n_gauss)
-        surface = reference_surface(name, derivatives_at_points(Plate48().shape(xi, eta), self.rest), section.direction)
-        transform = strain_transform_6(surface.transform)
-        local = np.linalg.solve(section.by_element, resultants.T)  # strains for T_N = 1 and T_M = 1, shape (..., 6, 2)
-        strain = np.swapaxes(np.linalg.solve(transform, np.broadcast_to(local, (*transform.shape[:-2], 6, 2))), -1, -2)
-        stiffness = transform.swapaxes(-1, -2) @ section.by_element @ transform * (weights * surface.area)[..., None, None]
-        self.strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ stiffness, float))
-        self.points = GaussPoints(self, n_gauss)
-        self._index_T = packed_indices(temperatures)
-        self._sections = self._tables[2]
-        self._cold = np.ascontiguousarray(self._sections.reshape(-1, N_SECTION, WIDTH)[:, 21:]).reshape(-1)
-        self._work_T = aligned(8 * WIDTH)
+        local = np.asarray(np.linalg.solve(Section.of(section).by_element, resultants.T), float)
+        tables = gauss_tables(self, section, n_gauss)
+        self.parts = [HeatedPart(self, part, local, own[2]) for part, own in zip(tables, self._arguments, strict=True)]
+        self._index_T, self._work_T = packed_indices(temperatures), aligned(8 * WIDTH)
 
     def _heat(self, q: Floats) -> None:
-        n = self.points.n
-        kernels.set_reference(q, self._index_T, self.points.corners, n, self._cold, self.strain, self._work_T, self._sections)
+        for part in self.parts:
+            part.heat(q, self._index_T, self._work_T)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/de."""
@@ -95,12 +87,36 @@ class GaussPoints:
         n_gauss: Gauss points in each direction.
     """
 
-    def __init__(self, block: ShellBlock, n_gauss: int) -> None:
-        self.elements, self.n = block, n_gauss
+    def __init__(self, block: Plate48Block, n_gauss: int) -> None:
+        self.n = n_gauss
         s = gauss_rule(n_gauss)[0]
         self.corners = np.stack([1.0 - s, s], axis=1).reshape(-1)
-        self.index, self.scale, _, self.table, _ = block._tables
+        self.index, self.scale, self.table = block._index, block._scale, hermite_table(n_gauss)
         self.work = aligned(kernels.thermal_work_size(n_gauss) * WIDTH)
+
+
+class HeatedPart(GaussPoints):
+    """Thermal strain and stress at the Gauss points of a part of a section.
+
+    Args:
+        block: the elastic block.
+        tables: the part's tables.
+        local: thermal strains s_T of the whole section for T_N = 1 and T_M = 1 in the local frame, shape (..., 6, 2).
+        sections: the constants of the Gauss points that the block's kernels read.
+    """
+
+    def __init__(self, block: Plate48Block, tables: GaussTables, local: Floats, sections: Floats) -> None:
+        super().__init__(block, tables.n)
+        self.cubed: Cubed = tables.cubed
+        transform = tables.transform
+        strain = np.swapaxes(np.linalg.solve(transform, np.broadcast_to(local, (*transform.shape[:-2], 6, 2))), -1, -2)
+        self.strain, self.stress = packed(np.asarray(strain, float)), packed(np.asarray(strain @ tables.stiffness, float))
+        self._sections = sections
+        self._cold = np.ascontiguousarray(sections.reshape(-1, N_SECTION, WIDTH)[:, 21:]).reshape(-1)
+
+    def heat(self, q: Floats, index: Ints, work: Floats) -> None:
+        """Count strains from the thermal strain of the temperatures at ``index``."""
+        kernels.set_reference(q, index, self.corners, self.n, self._cold, self.strain, work, self._sections)
 
 
 class CrossBlock(ForceBlock):
@@ -131,7 +147,7 @@ class ThermalCouplingBlock(CrossBlock):
         super().__init__(name, shell, coords, shell.temperatures)
         self.f_coords, self.f_scale = np.zeros(0, np.int64), np.zeros(0)
         self.k_rows, self.k_cols = self._coords, self._fields
-        self._points, self._stress = shell.points, shell.stress
+        self._parts, self._k = shell.parts, aligned(self.k_rows.size)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Nothing beyond the shell's own."""
@@ -140,8 +156,10 @@ class ThermalCouplingBlock(CrossBlock):
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """alpha_q df/dT."""
-        p = self._points
-        kernels.thermal_tangent(q, p.index, p.scale, p.table, p.corners, p.n, self._stress, alpha_q, p.work, k)
+        k[:] = 0.0
+        for p in self._parts:
+            kernels.thermal_tangent(q, p.index, p.scale, p.table, p.corners, p.n, p.cubed, p.stress, alpha_q, p.work, self._k)
+            k += self._k
 
     def energy(self, t: float, q: Floats) -> float:
         """That of the shell."""

@@ -2,7 +2,7 @@
 
 The 15 x 15 matrix consists of 5 x 5 blocks of 3 x 3, one for each pair of r_x, r_y, r_xx, r_yy, r_xy. Each block is a sum of few
 dyads, so 23 vectors hold all of it: :func:`hessian_factors` computes them, :func:`hessian_entries` multiplies two of their
-components out.
+components out. What the cubed normal adds is in :mod:`lamella.element.plate48.hessian_cubed`.
 """
 
 from __future__ import annotations
@@ -10,40 +10,29 @@ from __future__ import annotations
 from typing import Any
 
 from lamella._jit import inlined
-from lamella.element.plate48.strain import Vector, combined, dot, moment_vector, scaled
+from lamella.element.plate48.hessian_cubed import add_stretch, stretched_factors
+from lamella.element.plate48.strain import Cubed, Vector, combined, combined3, dot, inner3, moment_vector, scaled
 from lamella.lane import load, store
 from lamella.roles import Floats
 
 
 @inlined
-def combined3(a: Any, u: Vector, b: Any, v: Vector, c: Any, w: Vector) -> Vector:
-    """Sum a u + b v + c w."""
-    return (a * u[0] + b * v[0] + c * w[0], a * u[1] + b * v[1] + c * w[1], a * u[2] + b * v[2] + c * w[2])
-
-
-@inlined
-def inner3(c0: Any, c1: Any, c2: Any, u: Vector) -> Any:
-    """Sum c0 u_0 + c1 u_1 + c2 u_2."""
-    return c0 * u[0] + c1 * u[1] + c2 * u[2]
-
-
-@inlined
 def hessian_factors(
-    g: tuple[Vector, ...], n0: Vector, d1: Vector, d2: Vector, c: tuple[Any, ...], n: tuple[Any, ...]
+    g: tuple[Vector, ...], m: Vector, d1: Vector, d2: Vector, c: tuple[Any, ...], n: tuple[Any, ...]
 ) -> tuple[Vector, ...]:
     """The vectors whose dyads make up the Hessian.
 
     Args:
         g: r_x, r_y, r_xx, r_yy, r_xy.
-        n0: unit normal.
+        m: the normal that measures curvature.
         d1: first dual vector.
         d2: second dual vector.
         c: 21 upper entries of the stiffness C.
         n: the six resultants of the geometric part.
 
     Returns:
-        r_x, r_y, n0, d1, d2, five products of C with r_x and r_y, four vectors that pair with n0 in the blocks of r_x, r_y, six
-        that do so in the blocks of these with second derivatives, and N_4 n0, N_5 n0, N_6 n0.
+        r_x, r_y, m, d1, d2, five products of C with r_x and r_y, four vectors that pair with m in the blocks of r_x, r_y, six
+        that do so in the blocks of these with second derivatives, and N_4 m, N_5 m, N_6 m.
     """
     p = moment_vector(g, n)
     gamma1, gamma2 = (dot(g[2], d1), dot(g[3], d1), dot(g[4], d1)), (dot(g[2], d2), dot(g[3], d2), dot(g[4], d2))
@@ -53,18 +42,18 @@ def hessian_factors(
     z31, z32 = inner3(c[12], c[13], c[14], gamma1), inner3(c[12], c[13], c[14], gamma2)
     x1 = (inner3(c[15], c[16], c[17], gamma1), inner3(c[16], c[18], c[19], gamma1), inner3(c[17], c[19], c[20], gamma1))
     x2 = (inner3(c[15], c[16], c[17], gamma2), inner3(c[16], c[18], c[19], gamma2), inner3(c[17], c[19], c[20], gamma2))
-    q, p1, p2 = dot(p, n0), dot(p, d1), dot(p, d2)
+    q, p1, p2 = dot(p, m), dot(p, d1), dot(p, d2)
     w11 = 0.5 * (dot(x1, gamma1) - q * dot(d1, d1))
     w12 = 0.5 * (dot(x1, gamma2) - q * dot(d1, d2))
     w22 = 0.5 * (dot(x2, gamma2) - q * dot(d2, d2))
-    l11 = combined3(p1, d1, w11, n0, -1.0, combined(z11, g[0], z31, g[1]))
-    l12 = combined3(p1, d2, w12, n0, -1.0, combined(z12, g[0], z32, g[1]))
-    l21 = combined3(p2, d1, w12, n0, -1.0, combined(z31, g[0], z21, g[1]))
-    l22 = combined3(p2, d2, w22, n0, -1.0, combined(z32, g[0], z22, g[1]))
+    l11 = combined3(p1, d1, w11, m, -1.0, combined(z11, g[0], z31, g[1]))
+    l12 = combined3(p1, d2, w12, m, -1.0, combined(z12, g[0], z32, g[1]))
+    l21 = combined3(p2, d1, w12, m, -1.0, combined(z31, g[0], z21, g[1]))
+    l22 = combined3(p2, d2, w22, m, -1.0, combined(z32, g[0], z22, g[1]))
     return (
         g[0],
         g[1],
-        n0,
+        m,
         d1,
         d2,
         combined(c[0], g[0], c[2], g[1]),
@@ -76,15 +65,15 @@ def hessian_factors(
         l12,
         l21,
         l22,
-        combined3(c[3], g[0], c[12], g[1], -x1[0], n0),
-        combined3(c[4], g[0], c[13], g[1], -x1[1], n0),
-        combined3(c[5], g[0], c[14], g[1], -x1[2], n0),
-        combined3(c[12], g[0], c[8], g[1], -x2[0], n0),
-        combined3(c[13], g[0], c[9], g[1], -x2[1], n0),
-        combined3(c[14], g[0], c[10], g[1], -x2[2], n0),
-        scaled(n[3], n0),
-        scaled(n[4], n0),
-        scaled(n[5], n0),
+        combined3(c[3], g[0], c[12], g[1], -x1[0], m),
+        combined3(c[4], g[0], c[13], g[1], -x1[1], m),
+        combined3(c[5], g[0], c[14], g[1], -x1[2], m),
+        combined3(c[12], g[0], c[8], g[1], -x2[0], m),
+        combined3(c[13], g[0], c[9], g[1], -x2[1], m),
+        combined3(c[14], g[0], c[10], g[1], -x2[2], m),
+        scaled(n[3], m),
+        scaled(n[4], m),
+        scaled(n[5], m),
     )
 
 
@@ -182,8 +171,16 @@ def store_diagonal(array: Floats, at: int, u: Any, c: Any, n: Any) -> None:
 
 
 @inlined
-def store_hessian(work: Floats, at: int, step: int, factors: Any, c: Any, n: Any) -> None:
-    """Store the Hessian of a Gauss point, one group of 25 for each pair of components xx, xy, xz, yy, yz, zz."""
+def store_hessian(
+    work: Floats, at: int, step: int, g: Any, m: Vector, d1: Vector, d2: Vector, c: Any, n: Any, cubed: Cubed
+) -> None:
+    """Store the Hessian of a Gauss point, one group of 25 for each pair of components xx, xy, xz, yy, yz, zz.
+
+    The arguments are those of :func:`hessian_factors`.
+    """
+    factors = hessian_factors(g, m, d1, d2, c, n)
+    if cubed is not None:
+        factors = stretched_factors(factors, g, m, d1, d2, c, n)
     x, y, z = component(factors, 0), component(factors, 1), component(factors, 2)
     store_diagonal(work, at, x, c, n)
     store25(work, at + step, hessian_entries(x, y, c))
@@ -191,3 +188,5 @@ def store_hessian(work: Floats, at: int, step: int, factors: Any, c: Any, n: Any
     store_diagonal(work, at + 3 * step, y, c, n)
     store25(work, at + 4 * step, hessian_entries(y, z, c))
     store_diagonal(work, at + 5 * step, z, c, n)
+    if cubed is not None:
+        add_stretch(work, at, step, g, m, d1, d2, c, n)

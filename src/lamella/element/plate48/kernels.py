@@ -8,6 +8,7 @@ flat and hold lanes of numbers, one for each element of a block, and are counted
     index      (block, 48)                    global coordinate of each element coordinate
     scale      (block, 48)                    factor from global to element coordinates
     table      (point, derivative 0 1 2, 4)  cubic Hermite polynomials at the Gauss points
+    cubed      the normal that measures curvature, see :mod:`lamella.element.plate48.strain`
     work       see :func:`work_size`
 """
 
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 from lamella._jit import njit
 from lamella.element.plate48.contraction import contract_eta, contract_xi
-from lamella.element.plate48.hessian import hessian_factors, store_hessian
+from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
     N_SECTION,
     gather,
@@ -27,6 +28,7 @@ from lamella.element.plate48.interpolation import (
     stiffness,
 )
 from lamella.element.plate48.strain import (
+    Cubed,
     energy_density,
     extrapolated_strains,
     gradient,
@@ -39,7 +41,9 @@ from lamella.roles import Floats, Ints
 
 
 @njit
-def energy(q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, work: Floats, out: Floats) -> None:
+def energy(
+    q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, cubed: Cubed, work: Floats, out: Floats
+) -> None:
     """Strain energy of each element, out (block,)."""
     for block in range(index.size // (48 * WIDTH)):
         gather(q, index, scale, block, work, 0)
@@ -49,14 +53,16 @@ def energy(q: Floats, index: Ints, scale: Floats, sections: Floats, table: Float
             for i in range(n):
                 g = interpolate_xi(work, 48, table, i, j)
                 at = ((block * n + j) * n + i) * N_SECTION
-                n0 = surface_frame(g[0], g[1])[0]
-                s = strains(g, n0, reference(sections, at))
+                m = surface_frame(g[0], g[1], cubed)[0]
+                s = strains(g, m, reference(sections, at))
                 total = total + energy_density(resultants(stiffness(sections, at), s), s)
         store(out, block, total)
 
 
 @njit
-def force(q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, work: Floats, f: Floats) -> None:
+def force(
+    q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, cubed: Cubed, work: Floats, f: Floats
+) -> None:
     """Elastic force dW/de, f (block, 48)."""
     sums = 48 + 36 * n
     for block in range(index.size // (48 * WIDTH)):
@@ -66,16 +72,25 @@ def force(q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats
             for i in range(n):
                 g = interpolate_xi(work, 48, table, i, j)
                 at = ((block * n + j) * n + i) * N_SECTION
-                n0, d1, d2 = surface_frame(g[0], g[1])
-                s = strains(g, n0, reference(sections, at))
-                h = gradient(g, n0, d1, d2, resultants(stiffness(sections, at), s))
+                m, d1, d2 = surface_frame(g[0], g[1], cubed)
+                s = strains(g, m, reference(sections, at))
+                h = gradient(g, m, d1, d2, resultants(stiffness(sections, at), s), cubed)
                 spread_xi(h, work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)
 
 
 @njit
 def _points_of_block(
-    sections: Floats, block: int, table: Floats, n: int, work: Floats, lines: int, previous: int, sums: int, hessian: int
+    sections: Floats,
+    block: int,
+    table: Floats,
+    n: int,
+    cubed: Cubed,
+    work: Floats,
+    lines: int,
+    previous: int,
+    sums: int,
+    hessian: int,
 ) -> None:
     """Gradients and Hessians at the Gauss points of a block; previous < 0 takes the resultants at the state itself."""
     step = n * n * 25
@@ -84,13 +99,13 @@ def _points_of_block(
             g = interpolate_xi(work, lines, table, i, j)
             at = ((block * n + j) * n + i) * N_SECTION
             c, constants = stiffness(sections, at), reference(sections, at)
-            n0, d1, d2 = surface_frame(g[0], g[1])
-            res = resultants(c, strains(g, n0, constants))
-            spread_xi(gradient(g, n0, d1, d2, res), work, sums + j * 36, table, i, i == 0)
+            m, d1, d2 = surface_frame(g[0], g[1], cubed)
+            res = resultants(c, strains(g, m, constants))
+            spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
             if previous >= 0:
                 g_previous = interpolate_xi(work, previous, table, i, j)
-                res = resultants(c, extrapolated_strains(g, g_previous, constants))
-            store_hessian(work, hessian + (i * n + j) * 25, step, hessian_factors(g, n0, d1, d2, c, res), c, res)
+                res = resultants(c, extrapolated_strains(g, g_previous, constants, cubed))
+            store_hessian(work, hessian + (i * n + j) * 25, step, g, m, d1, d2, c, res, cubed)
 
 
 @njit
@@ -103,6 +118,7 @@ def force_tangent(
     sections: Floats,
     table: Floats,
     n: int,
+    cubed: Cubed,
     work: Floats,
     f: Floats,
     k: Floats,
@@ -124,7 +140,7 @@ def force_tangent(
         if extrapolate:
             gather(q_previous, index, scale, block, work, 0)
             interpolate_eta(work, 0, previous, table, n)
-        _points_of_block(sections, block, table, n, work, lines, previous, sums, hessian)
+        _points_of_block(sections, block, table, n, cubed, work, lines, previous, sums, hessian)
         spread_eta(work, sums, table, n, f, block * 48)
         for pair in range(6):
             symmetric = pair == 0 or pair == 3 or pair == 5

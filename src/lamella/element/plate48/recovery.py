@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamella.element.base import ElementSpec
-from lamella.element.plate48.strain import strains, surface_frame
-from lamella.element.plate48.surface import reference_surface, strain_transform_6
+from lamella.element.plate48.section import Curvature
+from lamella.element.plate48.strain import Cubed, strains, surface_frame
+from lamella.element.plate48.surface import reference_surface
 from lamella.roles import Floats, Ints
 
 
@@ -37,13 +38,21 @@ class ShellRecovery:
         scale: factors from global to element coordinates, shape (n_element, n_coordinate).
         reference: unscaled reference coordinates, shape (n_element, n_coordinate).
         direction: the material direction, see :class:`lamella.element.plate48.section.Section`.
+        curvature: the definition of kap, see there.
     """
 
     def __init__(
-        self, element: ElementSpec, coords: Ints, scale: Floats, reference: Floats, direction: Floats | None = None
+        self,
+        element: ElementSpec,
+        coords: Ints,
+        scale: Floats,
+        reference: Floats,
+        direction: Floats | None = None,
+        curvature: Curvature = "unit_normal",
     ) -> None:
         self._element, self._coords, self._scale = element, np.asarray(coords), np.asarray(scale, float)
         self._rest, self._direction = np.asarray(reference, float) * self._scale, direction
+        self._cubed: Cubed = True if curvature == "cubed_normal" else None
 
     def at(self, q: Floats, element: Ints, xi: Floats, eta: Floats) -> ShellPoints:
         """Position, unit normal and strains.
@@ -58,11 +67,10 @@ class ShellRecovery:
         shape = self._element.shape(xi, eta)
         now = self._derivatives(shape, q[self._coords[element]] * self._scale[element])
         reference = reference_surface("strain recovery", self._derivatives(shape, self._rest[element]), self._direction)
-        constants = np.concatenate([reference.first * np.array([0.5, 0.5, 1.0]), reference.second], axis=-1)
         g = tuple(tuple(now[d].T) for d in (1, 2, 3, 5, 4))
-        n0 = surface_frame(g[0], g[1])[0]
-        covariant = np.stack(strains(g, n0, tuple(constants.T)), axis=-1)
-        local = np.einsum("nij,nj->ni", strain_transform_6(reference.transform), covariant)
+        n0, m = surface_frame(g[0], g[1])[0], surface_frame(g[0], g[1], self._cubed)[0]
+        covariant = np.stack(strains(g, m, tuple(reference.constants(self._cubed).T)), axis=-1)
+        local = np.einsum("nij,nj->ni", reference.strain_transform(self._cubed), covariant)
         return ShellPoints(now[0], np.stack(n0, axis=-1), local)
 
     @staticmethod

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamella.element.plate48.strain import Cubed
 from lamella.errors import ModelError
 from lamella.roles import Floats
 
@@ -37,6 +38,29 @@ class ReferenceSurface:
     first: Floats
     second: Floats
     transform: Floats
+
+    def constants(self, cubed: Cubed) -> Floats:
+        """A11/2, A22/2, A12 and B11, B22, B12 as the kernels' strains count from them, shape (..., 6).
+
+        The cubed normal R_xi x R_eta / |R_xi x R_eta|^3 gives B divided by the area's square.
+        """
+        second = self.second if cubed is None else self.second / self.area[..., None] ** 2
+        return np.concatenate([self.first * np.array([0.5, 0.5, 1.0]), second], axis=-1)
+
+    def strain_transform(self, cubed: Cubed) -> Floats:
+        """Transform of the kernels' strains (E_11, E_22, 2 E_12, K_11, K_22, K_12) to (eps, kap) with doubled shear and twist.
+
+        With the cubed normal it has the area's square as a factor, J0^2 in kap_ab = (J0/J)^2 r_ab.n0 - B_ab.
+
+        Returns:
+            Shape (..., 6, 6).
+        """
+        full = np.zeros((*self.transform.shape[:-2], 6, 6))
+        full[..., :3, :3] = self.transform
+        full[..., 3:, 3:] = self.transform * np.array([1.0, 1.0, 2.0])
+        if cubed is not None:
+            full[..., 3:, 3:] *= self.area[..., None, None] ** 2
+        return full
 
 
 def derivatives_at_points(shape: Floats, coordinates: Floats) -> Floats:
@@ -102,18 +126,3 @@ def _strain_transform(r_x: Floats, r_y: Floats, n0: Floats, area: Floats, axis: 
     a, b, c, d = ((dual * axis).sum(-1) for axis in (e_1, e_2) for dual in (dual_1, dual_2))
     rows = [[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-
-
-def strain_transform_6(transform: Floats) -> Floats:
-    """Transform of the kernels' six strains (E_11, E_22, 2 E_12, K_11, K_22, K_12) to (eps, kap) with doubled shear and twist.
-
-    Args:
-        transform: T, shape (..., 3, 3).
-
-    Returns:
-        Shape (..., 6, 6).
-    """
-    full = np.zeros((*transform.shape[:-2], 6, 6))
-    full[..., :3, :3] = transform
-    full[..., 3:, 3:] = transform * np.array([1.0, 1.0, 2.0])
-    return full

@@ -66,8 +66,10 @@ def thermal_matrices(elements: HeatedElements) -> tuple[Floats, Floats]:
     coupling.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, np.zeros(0), k)
     G = np.empty((n, 48, 8))
     G[:, product_order()] = unpacked(k * coupling.k_scale, n).reshape(n, 8, 48).swapaxes(1, 2)
-    ends = shell.points.corners.reshape(-1, 2)
-    corners = np.einsum("jb,ia->jiba", ends, ends).reshape(-1, 4)
-    strain, stress = (unpacked(values, n).reshape(n, -1, 2, 6) for values in (shell.strain, shell.stress))
-    S = np.einsum("egam,egbm,gk,gl->eakbl", strain, stress, corners, corners, optimize=True).reshape(n, 8, 8)
+    S = np.zeros((n, 8, 8))
+    for part in shell.parts:
+        ends = part.corners.reshape(-1, 2)
+        corners = np.einsum("jb,ia->jiba", ends, ends).reshape(-1, 4)
+        strain, stress = (unpacked(values, n).reshape(n, -1, 2, 6) for values in (part.strain, part.stress))
+        S += np.einsum("egam,egbm,gk,gl->eakbl", strain, stress, corners, corners, optimize=True).reshape(n, 8, 8)
     return G, S
