@@ -134,6 +134,7 @@ class Plate(Body):
         turn = matrix_from_vector(np.asarray(self.rotation))
         q = mesh.flat_vectors() @ turn.T
         q[mesh.is_position] += self.position
+        q = build.imperfect(q)
         spin = np.cross(self.angular_velocity, q - np.where(mesh.is_position[:, None], self.position, 0.0))
         v = spin + np.where(mesh.is_position[:, None], self.velocity, 0.0)
         mesh.place(build.vectors(self.name, q, v, mesh.is_position, mesh.magnitude), q)
