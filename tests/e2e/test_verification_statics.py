@@ -15,6 +15,8 @@ CASES = (
     "pagano-laminate",
     "patch",
     "plate-closed-forms",
+    "buckling",
+    "spin-stiffening",
     "strain-models",
     "sze-cantilever",
     "sze-roll-up",

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from lamella.assembly.point import STATIC, Point
+from lamella.assembly.point import Point
 from lamella.declaration import declaration
 from lamella.errors import SingularSystemError
 from lamella.result import Cause, Outcome
@@ -109,7 +109,6 @@ class ArcLength:
         The arc length is shortened by regula falsi until the load factor nearly fits, and only then held: from afar, Newton's
         iteration at a fixed load may fall onto another branch.
         """
-        newton = path.newton.newton
         (far, new), near, nearest = beyond, 0.0, point
         for _ in range(LANDINGS):
             share = np.clip((until - nearest.factor) / (new.factor - nearest.factor), 0.05, 0.95)
@@ -124,13 +123,14 @@ class ArcLength:
             if abs(trial.factor - until) <= NEARLY * abs(beyond[1].factor - point.factor):
                 nearest = trial
                 break
-        last = nearest.copy()
-        last.factor = until
-        newton.forget()
-        report = newton.solve(last, STATIC, newton.equations.coordinates(nearest))
-        if not report.converged or path.length(last.u - nearest.u, 0.0) > beyond[0]:
+        none = np.zeros(len(nearest.u))
+        predicted, most = nearest.copy(), path.newton.newton.options.max_iterations
+        iterations, last = path.newton.solve(predicted, nearest, lambda at: (at.factor - until, none, 1.0), most)
+        if last is None or path.length(last.u - nearest.u, 0.0) > beyond[0]:
             record(beyond[1], path.between(point, direction, beyond[0]))
-            return Outcome(Cause.NOT_CONVERGED, beyond[1].factor, until, f"the path was passed beyond its end; {report.detail}")
+            detail = f"the path was passed beyond its end, where Newton's method found nothing in {iterations} iterations"
+            return Outcome(Cause.NOT_CONVERGED, beyond[1].factor, until, detail)
+        last.factor = until
         record(last, path.between(point, direction, path.length(last.u - point.u, last.factor - point.factor)))
         return Outcome(Cause.COMPLETED, until, until)
 
