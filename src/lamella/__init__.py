@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from lamella.body.shape import Box as Box
     from lamella.body.shape import Cylinder as Cylinder
     from lamella.body.shape import Sphere as Sphere
-    from lamella.buckling import Buckling as Buckling
-    from lamella.buckling import buckling as buckling
     from lamella.critical import CriticalPoint as CriticalPoint
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
@@ -79,6 +77,8 @@ if TYPE_CHECKING:
     from lamella.solve.arc_length import ArcLength as ArcLength
     from lamella.solve.displacement_control import DisplacementControl as DisplacementControl
     from lamella.solve.newton import Newton as Newton
+    from lamella.stability import Buckling as Buckling
+    from lamella.stability import buckling as buckling
     from lamella.statics import equilibrium as equilibrium
     from lamella.statics import equilibrium_path as equilibrium_path
     from lamella.system import System as System
@@ -93,7 +93,7 @@ if TYPE_CHECKING:
 _HOME = {
     "body.ground": ("Ground",),
     "body.plate": ("Edge", "Plate"),
-    "buckling": ("Buckling", "buckling"),
+    "stability": ("Buckling", "buckling"),
     "critical": ("CriticalPoint",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
     "io.results": ("read_result",),

@@ -20,13 +20,13 @@ from pathlib import Path
 
 import numpy as np
 
-from lamella.buckling import Buckling
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_other_file
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.shapes import Shapes
+from lamella.stability import Buckling
 from lamella.state import State
 from lamella.viz.solids import drawable, shaped, surface
 

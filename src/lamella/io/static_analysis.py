@@ -8,8 +8,6 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from lamella.assembly.equations import Equations
-from lamella.buckling import Buckling as BucklingShapes
-from lamella.buckling import buckling
 from lamella.critical import Branch, CriticalPoint
 from lamella.declaration import declaration
 from lamella.dofs import Signal
@@ -24,6 +22,8 @@ from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.solve.arc_length import ArcLength
 from lamella.solve.displacement_control import DisplacementControl
 from lamella.solve.newton import Newton
+from lamella.stability import Buckling as BucklingShapes
+from lamella.stability import buckling
 from lamella.static_run import compiled
 from lamella.statics import STATIC_NEWTON, equilibrium, equilibrium_path
 from lamella.units import Length, Number, Time

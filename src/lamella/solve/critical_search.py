@@ -101,15 +101,16 @@ class CriticalSearch:
                 raise _LostError
             positive = (place.negative == low.negative) == rises
             values, shapes = self._nearest(place.point, positive=positive, count=1)
-            seen.append((abs(float(values[0])), place, shapes[:, 0]))
+            seen.append((float(values[0]), place, shapes[:, 0]))
             return float(values[0])
 
         with suppress(_LostError, SingularSystemError, ValueError):  # what was found until then lies nearest
             brentq(eigenvalue, low.share, high.share, xtol=TOLERANCE)
         if not seen:
             return []
-        _, place, shape = min(seen, key=lambda item: item[0])
-        return [(_Place(place.share, place.point, low.negative), high.negative, shape)]
+        _, nearest, shape = min(seen, key=lambda item: abs(item[0]))
+        place = _Place(nearest.share, _between(seen) or nearest.point, low.negative)
+        return [(place, high.negative, shape)]
 
     def _place(self, share: float, between: Between) -> _Place | None:
         point = between(share)
@@ -159,6 +160,23 @@ class CriticalSearch:
         q_shape *= 1.0 if q_shape[np.argmax(np.abs(q_shape))] > 0 else -1.0
         where, counts = at(place.share, point), (place.negative, behind)
         return CriticalPoint(point.factor, where, kind, counts, q_shape, equations.state(point))
+
+
+def _between(seen: list[tuple[float, _Place, Floats]]) -> Point | None:
+    """The point where the eigenvalue is zero on the line between the two nearest points on either side; None without these.
+
+    Beside a bifurcation the equilibrium along the null vector is determined to rounding over the eigenvalue only, and Newton's
+    method may find none; the eigenvalue is a nearly linear function there.
+    """
+    above = min((item for item in seen if item[0] >= 0.0), key=lambda item: item[0], default=None)
+    below = max((item for item in seen if item[0] < 0.0), key=lambda item: item[0], default=None)
+    if above is None or below is None:
+        return None
+    share, first, second = above[0] / (above[0] - below[0]), above[1].point, below[1].point
+    point = first.copy()
+    point.u, point.lam = first.u + share * (second.u - first.u), first.lam + share * (second.lam - first.lam)
+    point.factor, point.t = first.factor + share * (second.factor - first.factor), first.t + share * (second.t - first.t)
+    return point
 
 
 class _LostError(Exception):

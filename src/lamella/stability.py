@@ -25,6 +25,8 @@ from lamella.system import System
 STEP = 1e-4
 """Largest change of a coordinate, as a share of its magnitude, over which the stiffness is differenced: its rounding of 1e-16
 becomes 1e-12 of the change, and what is not quadratic in it 1e-8."""
+ROUNDING = 1e-13
+"""Change of the stiffness beside its largest entry that is rounding."""
 NEGLIGIBLE = 1e-9
 """Reciprocal load factors below this share of the largest are rounding: that load does not buckle this shape."""
 
@@ -90,16 +92,17 @@ def buckling(system: System | Model, n: int = 1, *, t: float = 0.0, state: State
     point = _equilibrium(equations, linear, t, state)
     ahead, behind, span = _along(equations, linear, point)
     pattern = equations.matrix.pattern
-    K_sigma = (pattern.matrix(_stiffness(equations, ahead)[0]) - pattern.matrix(_stiffness(equations, behind)[0])) / span
+    change = _stiffness(equations, ahead)[0] - _stiffness(equations, behind)[0]
+    K_sigma = pattern.matrix(change / span)
     k, j = _stiffness(equations, point)
+    if np.abs(change).max() <= ROUNDING * np.abs(k).max():
+        raise ModelError("buckling: no load changes the stiffness; add loads that stress the structure, with strain 'exact'")
     linear.factorise(k, j)
     K0 = sparse.csr_array(pattern.matrix(k))
     found, vectors = _reciprocals(K0, sparse.csr_array(K_sigma), linear, n)
     above = np.flatnonzero(found > 0)
     below = np.flatnonzero(found < 0)
     order = np.concatenate([above[np.argsort(-found[above])], below[np.argsort(found[below])]])
-    if not len(order):
-        raise ModelError("buckling: no load changes the stiffness; add loads that stress the structure, with strain 'exact'")
     shapes = vectors[:, order]
     shapes = shapes / np.sqrt(np.abs(np.sum(shapes * (K0 @ shapes), axis=0)))
     factors = point.factor + 1.0 / found[order]
