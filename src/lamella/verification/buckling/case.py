@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 from scipy.special import ellipe, ellipk
 
 import lamella as lm
+from lamella.body.plate import EdgeName
 from lamella.verification import Check, References
 
 slow = False
@@ -83,12 +84,13 @@ def plate(section: lm.Laminate, N: tuple[float, float, float], n: int = 6) -> lm
     system = lm.System()
     sheet = system.add(lm.Plate("plate", (SIDE, SIDE), (n, n), section))
     N_x, N_y, N_xy = N
-    for side, force in (
+    loads: tuple[tuple[EdgeName, tuple[float, float, float]], ...] = (
         ("x-", (-N_x, -N_xy, 0.0)),
         ("x+", (N_x, N_xy, 0.0)),
         ("y-", (-N_xy, -N_y, 0.0)),
         ("y+", (N_xy, N_y, 0.0)),
-    ):
+    )
+    for side, force in loads:
         edge = sheet.edge(side)
         system.add(lm.EdgeSupport(f"on {side}", edge, axes="z"))
         system.add(lm.EdgeForce(f"load {side}", edge, force))
@@ -125,5 +127,5 @@ def beyond(references: References) -> Iterator[Check]:
 
 def elastica(ratio: float) -> tuple[float, float]:
     """Height and way sideways of the tip over L at a multiple of Euler's load: ratio = 4 K(k)^2 / pi^2."""
-    m = brentq(lambda m: 4 * ellipk(m) ** 2 / np.pi**2 - ratio, 1e-9, 0.99)
+    m = float(root_scalar(lambda m: 4 * ellipk(m) ** 2 / np.pi**2 - ratio, bracket=(1e-9, 0.99)).root)
     return float(2 * ellipe(m) / ellipk(m) - 1), float(2 * np.sqrt(m) / ellipk(m))
