@@ -12,7 +12,21 @@ PACKAGE = Path(__file__).parent.parent / "src" / "lamella"
 
 # From the lowest to the highest; a module imports from its own layer and from those below.
 LAYERS = [
-    {"errors", "units", "declaration", "roles", "kinematics", "switch", "dofs", "state", "result", "progress", "_jit", "lane"},
+    {
+        "errors",
+        "units",
+        "declaration",
+        "roles",
+        "kinematics",
+        "switch",
+        "dofs",
+        "state",
+        "critical",
+        "result",
+        "progress",
+        "_jit",
+        "lane",
+    },
     {"math"},
     {"material"},
     {"element", "constraint", "measure", "surface"},
@@ -22,7 +36,7 @@ LAYERS = [
     {"assembly", "signals"},
     {"solve"},
     {"integrate"},
-    {"system", "motion", "statics", "modal", "linearize"},
+    {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linearize"},
     {"__init__", "study", "io", "viz", "verification", "examples", "templates"},  # __init__: the public names
     {"cli", "__main__"},
 ]

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from lamella.body.shape import Cylinder as Cylinder
     from lamella.body.shape import Sphere as Sphere
     from lamella.body.shell import Shell as Shell
+    from lamella.critical import CriticalPoint as CriticalPoint
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from lamella.load.moment import EdgeMoment as EdgeMoment
     from lamella.load.moment import PointMoment as PointMoment
     from lamella.load.pressure import Pressure as Pressure
+    from lamella.load.spin import SteadySpin as SteadySpin
     from lamella.load.spring import SlideSpring as SlideSpring
     from lamella.load.spring import SpringDamper as SpringDamper
     from lamella.load.spring import TorsionSpring as TorsionSpring
@@ -79,7 +81,10 @@ if TYPE_CHECKING:
     from lamella.result import Outcome as Outcome
     from lamella.result import Result as Result
     from lamella.solve.arc_length import ArcLength as ArcLength
+    from lamella.solve.displacement_control import DisplacementControl as DisplacementControl
     from lamella.solve.newton import Newton as Newton
+    from lamella.stability import Buckling as Buckling
+    from lamella.stability import buckling as buckling
     from lamella.statics import equilibrium as equilibrium
     from lamella.statics import equilibrium_path as equilibrium_path
     from lamella.surface.function import FunctionSurface as FunctionSurface
@@ -101,6 +106,8 @@ if TYPE_CHECKING:
 _HOME = {
     "body.ground": ("Ground",),
     "body.plate": ("Edge", "Plate"),
+    "stability": ("Buckling", "buckling"),
+    "critical": ("CriticalPoint",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
     "io.results": ("read_result",),
     "body.rigid": ("RigidBody",),
@@ -134,6 +141,7 @@ _HOME = {
     "load.gravity": ("Gravity",),
     "load.moment": ("EdgeMoment", "PointMoment"),
     "load.pressure": ("Pressure",),
+    "load.spin": ("SteadySpin",),
     "load.spring": ("SlideSpring", "SpringDamper", "TorsionSpring"),
     "load.stop": ("EndStop", "Latch"),
     "load.user": ("UserForce",),
@@ -160,6 +168,7 @@ _HOME = {
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),
     "solve.arc_length": ("ArcLength",),
+    "solve.displacement_control": ("DisplacementControl",),
     "solve.newton": ("Newton",),
     "statics": ("equilibrium", "equilibrium_path"),
     "surface.function": ("FunctionSurface",),

@@ -205,6 +205,16 @@ class Build:
     """Joints that hold the strain at an edge of a plate at zero, with the name of the plate."""
     notes: list[str] = field(default_factory=list)
     """What the user should know about the system, in sentences."""
+    imperfection: Floats | None = None
+    """Added to the stress-free geometry of elastic plates, all coordinates of motion in the order of numbering."""
+    spin: Floats | None = None
+    """Angular velocity of the frame in which the system is described [rad/s], shape (3,)."""
+
+    def imperfect(self, q: Floats) -> Floats:
+        """The vectors of a body that is numbered next, shape (n, 3), with their imperfection."""
+        if self.imperfection is None:
+            return q
+        return q + self.imperfection[3 * self.n_vectors : 3 * (self.n_vectors + len(q))].reshape(-1, 3)
 
     def vectors(self, owner: str, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
         """Number a body's coordinate vectors.

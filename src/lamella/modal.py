@@ -3,56 +3,57 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse import linalg
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC
 from lamella.errors import DeclarationError, ModelError
 from lamella.model import Model
 from lamella.roles import Floats
+from lamella.shapes import Shapes
+from lamella.solve.eigen import gyroscopic, lowest
 from lamella.state import State
 from lamella.system import System
 
-RIGID_MODES = 7
-"""Modes computed beyond those asked for: the six of a rigid body and one elastic, which sets the scale."""
+GROWING = 1e-6
+"""Real part of a root beside its size above which the mode grows: roots of a stable system have rounding there."""
 
 
 @dataclass(frozen=True)
-class Modes:
+class Modes(Shapes):
     """Natural modes K phi = omega^2 M phi about a state, phi^T M phi = 1. Temperatures stay as they are.
+
+    In a frame that spins the modes are those of (K + i omega G - omega^2 M) phi = 0, seen from that frame, with the Coriolis
+    force G; a point moves by shape cos(omega t) - quadrature sin(omega t).
 
     Args:
         model: the compiled model.
         frequencies: ascending [Hz]; an unstable mode has a negative one, -sqrt(-omega^2) / 2 pi, shape (n,).
         shapes: columns of all coordinates, shape (n_q, n).
         state: coordinates about which the modes are, shape (n_q,).
+        quadrature: the part of the shapes that is a quarter of a period late, shape (n_q, n); None in an inertial frame.
     """
+
+    title = "Natural modes"
+    quantity = ("frequency", "Hz", "natural frequency")
+    scaling = "phi^T M phi = 1"
 
     model: Model
     frequencies: Floats
     shapes: Floats
     state: Floats
+    quadrature: Floats | None = None
 
-    def displaced(self, mode: int, amplitude: float) -> Floats:
-        """Coordinates with mode number ``mode`` (from 0) added, its largest displacement being ``amplitude`` [m].
-
-        A rigid body that turns about its origin is displaced as far as its points at its reach are.
-        """
-        shape = self.shapes[:, mode]
-        moved = np.linalg.norm(self.model.vectors(shape), axis=1)
-        largest = moved[self.model.is_position].max()
-        for body in self.model.rigid_bodies:
-            reach = self.model.magnitude[3 * body.first]
-            largest = max(largest, reach * moved[body.first + 1 : body.first + 4].max())
-        return self.state + amplitude / largest * shape
+    @property
+    def values(self) -> Floats:
+        """The frequencies [Hz]."""
+        return self.frequencies
 
 
 def modes(system: System | Model, n: int, *, state: State | None = None) -> Modes:
-    """The ``n`` lowest natural modes.
+    """The ``n`` lowest natural modes; in a frame that spins with the centrifugal and Coriolis forces in it.
 
     Args:
         system: the system.
@@ -61,9 +62,14 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
 
     Raises:
         DeclarationError: n is not positive or exceeds the number of independent coordinates.
-        ModelError: the system has multipliers whose constraints are redundant.
+        ModelError: the system has multipliers whose constraints are redundant, or it spins and no state is given.
     """
     model = system.compile() if isinstance(system, System) else system
+    if model.spin is not None and state is None:
+        raise ModelError(
+            "modes: the reference configuration of a spinning system is no equilibrium; "
+            "accepted is state=equilibrium(system).final"
+        )
     equations = Equations(model)
     free = equations.mobility
     if not 1 <= n <= free - 1:
@@ -74,58 +80,26 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
     pattern = equations.matrix.pattern
     own = slice(equations.n_motion)
     K, M = (sparse.csc_array(sparse.csr_array(pattern.matrix(x))[own, own]) for x in (k.copy(), equations.matrix.mass))
-    values, vectors = _lowest(K, M, sparse.csr_array(pattern.jacobian(j.copy())[:, own]), n, equations.magnitude[own])
-    frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
-    shapes = np.zeros((equations.n_u, n))
-    shapes[own] = vectors
-    return Modes(model, frequencies, equations.elimination.T @ shapes, equations.coordinates(point))
+    J = sparse.csr_array(pattern.jacobian(j.copy())[:, own])
+    shapes = np.zeros((equations.n_u, n), complex if model.spin is not None else float)
+    if model.spin is None:
+        values, shapes[own] = lowest(K, M, J, n, equations.magnitude[own])
+        frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
+    else:
+        G = _coriolis(model, equations, np.sqrt(point.factor) * model.spin)
+        roots, shapes[own] = gyroscopic(K, sparse.csc_array(G[own, own]), M, J, n, equations.magnitude[own])
+        grows = np.abs(roots.real) > GROWING * np.abs(roots)
+        frequencies = np.where(grows, -1.0, 1.0) * np.abs(roots) / (2 * np.pi)
+    T = equations.elimination.T
+    late = T @ np.imag(shapes) if model.spin is not None else None
+    return Modes(model, frequencies, T @ np.real(shapes), equations.coordinates(point), late)
 
 
-def _lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:
-    """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too.
-
-    A body that can move freely has eigenvalues of zero, from which no shift can be derived; close to them the matrix is all but
-    singular and the elastic modes drown in rounding. They are then computed again with a shift of the elastic modes' order.
-    """
-    scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
-    K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
-    count = min(n + RIGID_MODES, len(magnitude) - len(J.indptr))
-    values, vectors = _nearest(K, M, J, count, -1e-3 * _typical(K, M))
-    largest = np.abs(values).max()
-    if np.abs(values).min() < 1e-6 * largest:
-        values, vectors = _nearest(K, M, J, count, -0.1 * largest)
-    chosen = np.argsort(values)[:n]
-    return values[chosen], scale @ vectors[:, chosen]
-
-
-def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, shift: float) -> tuple[Floats, Floats]:
-    """The ``n`` eigenvalues nearest to a shift below them, on the null space of J."""
-    n_u, n_lam = len(M.indptr) - 1, len(J.indptr) - 1
-    matrix = K - shift * M
-    saddle = sparse.block_array([[matrix, J.T], [J, None]], format="csc") if n_lam else matrix
-    try:
-        factor = linalg.splu(sparse.csc_matrix(saddle))
-    except RuntimeError as error:
-        raise ModelError(
-            "modes: the constraints are redundant or some mass is missing; the shifted matrix is singular"
-        ) from error
-
-    def inverse(x: Floats) -> Floats:
-        return factor.solve(np.concatenate([np.ravel(x), np.zeros(n_lam)]))[:n_u]
-
-    operator: Any = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
-    start = inverse(M @ np.ones(n_u))
-    values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
-    return np.asarray(values), np.asarray(vectors)
-
-
-def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
-    """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift."""
-    rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
-    factor = linalg.splu(sparse.csc_matrix(K + rough * M))
-    x, value = np.random.default_rng(0).standard_normal(len(K.indptr) - 1), 0.0
-    for _ in range(4):
-        x = factor.solve(M @ x)
-        x /= np.sqrt(x @ (M @ x))
-        value = float(x @ (K @ x))
-    return max(abs(value), rough)
+def _coriolis(model: Model, equations: Equations, spin: Floats) -> sparse.csr_array:
+    """G = 2 T^T M (1 x spin) T: the force on each coordinate vector is 2 M spin x v."""
+    x, y, z = spin
+    cross = sparse.csr_array(np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]))
+    turn = sparse.kron(sparse.eye_array(model.n_motion // 3), cross, format="csr")
+    n, T = model.n_motion, equations.elimination.T
+    full = sparse.csr_array(sparse.block_diag([2.0 * model.mass[:n, :n] @ turn, sparse.csr_array((model.n_q - n,) * 2)]))
+    return sparse.csr_array(T.T @ full @ T)

@@ -42,6 +42,8 @@ class Model:
         fields: scalar fields, whose values are the coordinates behind those of the vectors.
         redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
         notes: what the user should know about the system, in sentences.
+        imperfection: what was added to the stress-free geometry of the plates, shape (n_q,); None when it is perfect.
+        spin: angular velocity of the frame in which the system is described [rad/s], shape (3,); None when it is inertial.
         description: the system as data for result files, None when it was not given.
     """
 
@@ -65,6 +67,8 @@ class Model:
     fields: tuple[ScalarField, ...] = ()
     redundant: Literal["raise", "drop"] = "raise"
     notes: tuple[str, ...] = ()
+    imperfection: Floats | None = None
+    spin: Floats | None = None
     description: Any = field(default=None, compare=False)
 
     def reset(self) -> None:
@@ -76,6 +80,18 @@ class Model:
         """Tell all blocks that ``state`` has been accepted."""
         for block in (*self.forces, *self.loads, *self.constraints):
             block.settle(state.t, state.q)
+
+    def largest_displacement(self, shape: Floats) -> float:
+        """Largest displacement in a change of all coordinates (n_q,) [m].
+
+        A rigid body that turns about its origin is displaced as far as its points at its reach are.
+        """
+        moved = np.linalg.norm(self.vectors(shape), axis=1)
+        largest = float(moved[self.is_position].max())
+        for body in self.rigid_bodies:
+            reach = self.magnitude[3 * body.first]
+            largest = max(largest, reach * float(moved[body.first + 1 : body.first + 4].max()))
+        return largest
 
     @property
     def n_q(self) -> int:
@@ -144,6 +160,8 @@ class Model:
             fields=tuple(build.fields),
             redundant=redundant,
             notes=tuple(build.notes),
+            imperfection=build.imperfection,
+            spin=build.spin,
             description=description,
         )
 

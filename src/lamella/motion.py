@@ -10,7 +10,7 @@ from math import ceil
 import numpy as np
 
 from lamella.assembly.equations import Equations
-from lamella.errors import ConvergenceError, DeclarationError, ResultFileError
+from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.integrate.events import EventWatch
 from lamella.model import Model
@@ -70,13 +70,18 @@ def simulate(
     Raises:
         ConvergenceError: the smallest step did not converge.
         ConstraintError: constraints contradict each other.
-        ModelError: joints lock the system.
+        ModelError: joints lock the system, or it is described in a frame that spins.
     """
     if not t_end > t_start:
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
+        if model.spin is not None:
+            raise ModelError(
+                "simulate: the system is described in a frame that spins (SteadySpin), where motion is not available; "
+                "accepted is a system in the inertial frame, driven for example by an AngleDrive"
+            )
         model.reset()
         equations, statistics = Equations(model), Statistics()
         stepper = integrator.stepper(equations, statistics, solver)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from lamella.critical import CriticalPoint
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
@@ -99,6 +100,7 @@ class Outcome:
         detail: a sentence with numbers; on completion empty, or a warning.
         events: what happened on the way, in time order.
         start: what was changed in the initial state.
+        critical_points: where the stiffness became singular, in the order met; in statics.
     """
 
     cause: Cause
@@ -107,6 +109,7 @@ class Outcome:
     detail: str = ""
     events: tuple[Happening, ...] = ()
     start: Start = Start()
+    critical_points: tuple[CriticalPoint, ...] = ()
 
     @property
     def completed(self) -> bool:
@@ -116,9 +119,8 @@ class Outcome:
     def __str__(self) -> str:
         if self.completed:
             return f"completed at {self.reached:g}" + (f" ({self.detail})" if self.detail else "")
-        return f"stopped at {self.reached:g} of {self.target:g}: {self.cause.value}" + (
-            f" ({self.detail})" if self.detail else ""
-        )
+        of = f" of {self.target:g}" if self.target == self.target else ""  # a path to a displacement has no load factor to reach
+        return f"stopped at {self.reached:g}{of}: {self.cause.value}" + (f" ({self.detail})" if self.detail else "")
 
 
 @dataclass
@@ -230,6 +232,16 @@ class Result:
     def events(self) -> tuple[Happening, ...]:
         """What happened on the way, each with ``t`` [s], ``name`` and ``text``, in time order."""
         return self.outcome.events
+
+    @property
+    def critical_points(self) -> tuple[CriticalPoint, ...]:
+        """Where the stiffness became singular on the way, in the order met; found in statics."""
+        return self.outcome.critical_points
+
+    @property
+    def imperfection(self) -> Floats | None:
+        """What was added to the stress-free geometry, shape (n_q,); None when it was perfect."""
+        return self.model.imperfection
 
     @property
     def start(self) -> Start:

@@ -1,29 +1,31 @@
-"""Statics: equilibrium under full load, and equilibrium paths through limit points."""
+"""Statics: equilibrium under load or over time, and equilibrium paths through limit points and bifurcations."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
-from lamella.errors import ConstraintError, ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
+from lamella.critical import Branch
+from lamella.errors import DeclarationError
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
-from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
-from lamella.signals import LOAD_FACTOR, system_signals
+from lamella.result import Cause, Outcome, Result, Sink
+from lamella.roles import Floats
 from lamella.solve.arc_length import ArcLength
-from lamella.solve.base import LinearSolver
-from lamella.solve.initial import changes, project_positions, refuse_contradiction, refuse_undetermined
-from lamella.solve.linear import Method, linear_solver
-from lamella.solve.newton import Newton, NewtonSolver
+from lamella.solve.bordered import BorderedNewton
+from lamella.solve.displacement_control import DisplacementControl
+from lamella.solve.linear import Method
+from lamella.solve.newton import Newton
+from lamella.static_run import StaticRun
 from lamella.system import System
 
 STATIC_NEWTON = Newton(keep=0.0, line_search=True)
 """Newton's method proper: far from the solution a kept factorisation gains nothing."""
+BRANCH_ITERATIONS = 30
+"""Newton's iterations allowed onto a branch, whose first point is guessed along the null vector."""
 
 
 def equilibrium(
@@ -31,6 +33,8 @@ def equilibrium(
     *,
     t: float = 0.0,
     steps: Sequence[float] | int = 1,
+    times: Sequence[float] | None = None,
+    imperfection: Floats | None = None,
     newton: Newton = STATIC_NEWTON,
     smallest_step: float = 1e-4,
     sinks: Sequence[Sink] = (),
@@ -40,35 +44,56 @@ def equilibrium(
 ) -> Result:
     """Geometrically nonlinear static equilibrium f(q) = 0 under the loads and support motions at time ``t``.
 
-    Whether it is stable is told by ``result.statistics.negative_pivots`` and in the outcome.
+    Whether it is stable is told by ``result.statistics.negative_pivots`` and in the outcome; where the stiffness became singular
+    on the way by ``result.critical_points``.
 
     Loads and motions grow with a load factor from 0 to 1. A step that does not converge is halved, and doubled again after two
-    that do; every load factor in ``steps`` is met.
+    that do; every load factor in ``steps`` is met. With ``times`` the loads then follow their profiles, one equilibrium after
+    another: loads with different profiles are applied one after the other.
 
     Args:
         system: what is loaded.
         t: time at which loads and motions are taken [s].
         steps: load factors to solve for, ascending, or a number of equal steps.
+        times: ascending times [s]: after the load steps to the first of them, the result is over time; ``t`` is not used.
+        imperfection: added to the stress-free geometry, such as ``modes.imperfection(0, 1e-4)``, shape (n_q,).
         newton: how each step is solved.
-        smallest_step: load step below which the solution is given up.
+        smallest_step: step, as a share of the load or of the time from first to last, below which the solution is given up.
         sinks: receive the solution while it runs.
         progress: show a progress bar.
         solver: name of the linear solver.
         on_failure: ``raise`` or ``return`` the partial result.
 
     Returns:
-        ``result["tip.position"]`` is the value at full load, ``result.history("tip.position")`` over all load steps.
+        ``result["tip.position"]`` is the value at full load, ``result.history("tip.position")`` over all load steps or times.
 
     Raises:
         ConvergenceError: the load cannot be carried, or a limit point was met; :func:`equilibrium_path` passes those.
         ModelError: nothing holds the system, or nothing determines a temperature.
         ConstraintError: constraints contradict each other.
+        DeclarationError: impossible ``steps`` or ``times``, or an imperfection that does not fit the system.
     """
-    factors = _checked_steps(steps)
+    factors, instants = _checked_steps(steps), None if times is None else _checked_times(times)
+    if instants is None:
+        with compilation_notice(progress):
+            run = StaticRun(system, t, newton, solver, "load_factor", imperfection)
+            end = factors[-1]
+            run.open(0.0, end, sinks, ProgressBar("statics", 0.0, end, "", run.statistics) if progress else None)
+            outcome = run.guarded(lambda: _climb(run, _set_factor, run.point.factor, factors, smallest_step, run.record), end)
+        return run.close(outcome, on_failure)
     with compilation_notice(progress):
-        run = _Run(system, t, newton, solver)
-        run.open(factors[-1], sinks, ProgressBar("statics", 0.0, factors[-1], "", run.statistics) if progress else None)
-        outcome = run.guarded(lambda: _climb(run, factors, smallest_step), factors[-1])
+        run = StaticRun(system, instants[0], newton, solver, "time", imperfection)
+        first, last = instants[0], instants[-1]
+        run.open(first, last, sinks, ProgressBar("statics", first, last, "s", run.statistics) if progress else None)
+        loaded = _climb(run, _set_factor, 0.0, [1.0], smallest_step, run.take)
+        if loaded.completed:
+            smallest = smallest_step * (last - first)
+            outcome = run.guarded(lambda: _climb(run, _set_time, first, instants[1:], smallest, run.record), last)
+        else:
+            detail = (
+                f"the loads of the first time, {first:g} s, were reached by a factor of {loaded.reached:g} only; {loaded.detail}"
+            )
+            outcome = run.guarded(lambda: replace(loaded, reached=first, target=last, detail=detail), last)
     return run.close(outcome, on_failure)
 
 
@@ -76,8 +101,11 @@ def equilibrium_path(
     system: System | Model,
     *,
     t: float = 0.0,
-    until: float = 1.0,
+    until: float | None = None,
     arc: ArcLength | None = None,
+    control: DisplacementControl | None = None,
+    imperfection: Floats | None = None,
+    branch: Branch | None = None,
     newton: Newton = STATIC_NEWTON,
     sinks: Sequence[Sink] = (),
     progress: bool = False,
@@ -86,11 +114,18 @@ def equilibrium_path(
 ) -> Result:
     """Follow the equilibrium path by its arc length, through limit points of load (snap-through) and of displacement (snap-back).
 
+    Critical points on the way are found: ``result.critical_points``. A path stays on its branch at a bifurcation; an
+    imperfection, or a begin on a ``branch``, leads onto the other.
+
     Args:
         system: what is loaded.
         t: time at which loads and motions are taken [s].
-        until: load factor at which the path ends, reached exactly.
+        until: load factor at which the path ends, reached exactly; 1 when left out.
         arc: step control; see :class:`lamella.solve.arc_length.ArcLength`.
+        control: follow the path by a displacement instead, to the displacement it names.
+        imperfection: added to the stress-free geometry, such as ``buckling(system).imperfection(0, 1e-4)``, shape (n_q,).
+        branch: begin at a bifurcation of an earlier path of the same system, such as
+            ``path.critical_points[0].branch(1e-3)``, on the path that leaves it.
         newton: tolerance and iterations of each step.
         sinks: receive the solution while it runs.
         progress: show a progress bar.
@@ -99,12 +134,36 @@ def equilibrium_path(
 
     Returns:
         Signals over the path, among them ``load_factor``.
+
+    Raises:
+        ConvergenceError: the path could not be followed to its end; the message says where and why.
+        DeclarationError: arguments that exclude each other or do not fit the system.
+        ModelError: nothing holds the system.
     """
-    arc = arc or ArcLength()
+    _check_path(until, arc, control, branch)
+    arc, end = arc or ArcLength(), 1.0 if until is None else until
     with compilation_notice(progress):
-        run = _Run(system, t, newton, solver, single=False)
-        run.open(until, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
-        outcome = run.guarded(lambda: arc.follow(run.equations, run.newton, run.point, until, run.record, run.statistics), until)
+        run = StaticRun(system, t, newton, solver, "path", imperfection)
+        if branch is not None:
+            run.point = _critical(run, branch)
+        run.open(0.0, end, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
+        bordered = BorderedNewton(run.equations, run.newton, run.statistics)
+
+        def follow() -> Outcome:
+            if control is not None:
+                return control.follow(bordered, run.point, run.record)
+            if branch is None:
+                return arc.follow(bordered, run.point, end, run.record)
+            start, first = run.point, _onto_branch(bordered, run.point, branch)
+            if first is None:
+                detail = (
+                    f"no equilibrium at {branch.amplitude:g} m along the shape of the {branch.point.kind}; try another amplitude"
+                )
+                return Outcome(Cause.NOT_CONVERGED, start.factor, end, detail)
+            run.record(first)
+            return arc.follow(bordered, first, end, run.record, leaving=start)
+
+        outcome = run.guarded(follow, end)
     return run.close(outcome, on_failure)
 
 
@@ -117,111 +176,116 @@ def _checked_steps(steps: Sequence[float] | int) -> list[float]:
     return factors
 
 
-def _climb(run: _Run, factors: Sequence[float], smallest: float) -> Outcome:
-    """Meet every factor, with steps cut where Newton fails."""
+def _checked_times(times: Sequence[float]) -> list[float]:
+    instants = [float(t) for t in times]
+    if len(instants) < 2 or not np.isfinite(instants).all() or np.any(np.diff(instants) <= 0):
+        raise DeclarationError("equilibrium", f"times = {list(times)}", "accepted are at least two ascending times [s]")
+    return instants
+
+
+def _check_path(until: float | None, arc: ArcLength | None, control: DisplacementControl | None, branch: Branch | None) -> None:
+    item = "equilibrium_path"
+    if control is not None and (arc, until, branch) != (None, None, None):
+        given = "arc" if arc is not None else "until" if until is not None else "branch"
+        raise DeclarationError(item, f"control and {given}", "accepted is one of them: control names its own end and steps")
+    if until is not None and not np.isfinite(until):
+        raise DeclarationError(item, f"until = {until}", "accepted is a finite load factor")
+    if branch is not None and (branch.amplitude == 0.0 or not np.isfinite(branch.amplitude)):
+        raise DeclarationError(item, f"a branch of amplitude {branch.amplitude} m", "accepted is a length other than 0")
+    if branch is not None and branch.point.kind != "bifurcation":
+        raise DeclarationError(
+            item, f"a branch at a {branch.point.kind}", "accepted is a bifurcation: no path leaves a limit point"
+        )
+
+
+def _set_factor(point: Point, value: float) -> None:
+    point.factor = value
+
+
+def _set_time(point: Point, value: float) -> None:
+    point.t = value
+
+
+def _climb(
+    run: StaticRun,
+    put: Callable[[Point, float], None],
+    at: float,
+    targets: Sequence[float],
+    smallest: float,
+    record: Callable[..., None],
+) -> Outcome:
+    """Meet every target of the load factor or of time, with steps cut where Newton fails.
+
+    Args:
+        run: where the solution stands.
+        put: sets the load factor or the time of a point.
+        at: its present value.
+        targets: ascending.
+        smallest: step below which it is given up.
+        record: takes each equilibrium, with a function that finds those on the way.
+    """
     largest, good = np.inf, 0
-    for target in factors:
-        while run.point.factor < target:
-            step = min(target - run.point.factor, largest)
+    for target in targets:
+        while at < target:
+            step = min(target - at, largest)
+            new = target if step >= 0.999 * (target - at) else at + step
             trial = run.point.copy()
-            trial.factor = target if step >= 0.999 * (target - run.point.factor) else run.point.factor + step
+            put(trial, new)
             report = run.newton.solve(trial, STATIC, run.q)
             if report.converged:
-                run.point, good = trial, good + 1
+                good += 1
                 run.statistics.steps += 1
-                run.record(trial)
+                record(trial, _between(run, put, at, trial, new))
+                at = new
                 if good >= 2 and report.iterations < 10:
                     largest, good = 2.0 * step, 0
                 continue
             run.statistics.rejected += 1
             largest, good = 0.5 * step, 0
             if largest < smallest:
-                detail = f"load step {step:.1e}; {report.detail}"
+                detail = f"{'load' if put is _set_factor else 'time'} step {step:.1e}; {report.detail}"
                 if report.cause is Cause.NOT_CONVERGED:
                     detail += "; the load cannot be carried from here: lower it, or pass a limit point with equilibrium_path"
-                return Outcome(report.cause, run.point.factor, factors[-1], detail)
-    return Outcome(Cause.COMPLETED, run.point.factor, factors[-1])
+                return Outcome(report.cause, at, targets[-1], detail)
+    return Outcome(Cause.COMPLETED, at, targets[-1])
 
 
-class _Run:
-    """What both kinds of static solution share: equations, Newton, recording and the end."""
+def _between(
+    run: StaticRun, put: Callable[[Point, float], None], at: float, new: Point, value: float
+) -> Callable[[float], Point | None]:
+    """Equilibria between the present point and a new one, by their share of the step."""
+    last, q = run.point, run.q
 
-    def __init__(self, system: System | Model, t: float, newton: Newton, solver: Method, *, single: bool = True) -> None:
-        self.began = time.perf_counter()
-        self.model = system.compile() if isinstance(system, System) else system
-        self.model.reset()
-        if not self.model.rows and not self.model.constraints:
-            raise ModelError(
-                "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
-            )
-        self.equations, self.statistics = Equations(self.model), Statistics()
-        linear = linear_solver(self.equations.matrix.pattern, solver)
-        self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
-        self.point = self.equations.start(t, factor=0.0, at_rest=True)
-        refuse_undetermined(self.equations, self.point)
-        self._make_consistent(linear)
-        self.axis = "load_factor" if single else "path"
+    def solved(share: float) -> Point | None:
+        trial = last.copy()
+        trial.u, trial.lam = last.u + share * (new.u - last.u), last.lam + share * (new.lam - last.lam)
+        put(trial, at + share * (value - at))
+        run.newton.forget()
+        return trial if run.newton.solve(trial, STATIC, q).converged else None
 
-    def _make_consistent(self, linear: LinearSolver) -> None:
-        """Meet the constraints by the smallest deformation, and keep what that changed."""
-        trial = self.point.copy()
-        try:
-            project_positions(self.equations, trial, linear, STATIC)
-            self.point = trial
-        except (ConstraintError, SingularSystemError):
-            pass  # Newton's method meets the same with its load steps and line search, and says what is free
-        if not self.equations.elimination.moves:  # which are scaled by the load factor, 0 here
-            refuse_contradiction(self.equations, self.point, rates=False)
-        self.start = changes(self.equations, self.point, self.model.q0, np.zeros(self.model.n_q))
+    return solved
 
-    def open(self, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
-        """Prepare to record, from the unloaded state on."""
-        self.recorder = Recorder(
-            [LOAD_FACTOR, *system_signals(self.equations)], self.axis, 0.0, until, sinks=(bar, *sinks) if bar else sinks
+
+def _critical(run: StaticRun, branch: Branch) -> Point:
+    """The critical point from which a branch begins."""
+    state, model = branch.point.state, run.model
+    if state.q.shape != model.q0.shape or state.lam.shape != (model.n_lam,):
+        raise DeclarationError(
+            "equilibrium_path",
+            "the branch begins at a point of another system",
+            "accepted is a critical point of this system's path",
         )
-        self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
-        self.statistics.seconds_compile = time.perf_counter() - self.began
+    point = run.equations.point_of(state, state.t)
+    point.at_rest, point.factor = True, state.factor
+    return point
 
-    def record(self, point: Point) -> None:
-        """Take an equilibrium as the state to go on from, and sample it."""
-        self.point, self.q = point, self.equations.coordinates(point)
-        self.state = self.equations.state(point)
-        self.model.settle(self.state)
-        count = len(self.recorder.at)
-        self.recorder.sample(point.factor if self.axis == "load_factor" else float(count), self.state)
 
-    def guarded(self, solve: Callable[[], Outcome], until: float) -> Outcome:
-        """Run a solution; an interruption ends it with what was recorded."""
-        try:
-            self.record(self.point)
-            return solve()
-        except KeyboardInterrupt:
-            return Outcome(Cause.INTERRUPTED, self.point.factor, until)
-        except ResultFileError as error:
-            return Outcome(Cause.WRITE_FAILED, self.point.factor, until, str(error))
-
-    def judged(self, outcome: Outcome) -> Outcome:
-        """The outcome of a completed solution, with a word of warning when the equilibrium is unstable."""
-        if not outcome.completed:
-            return outcome
-        _, _, k, j = self.equations.linearise(self.point, STATIC)
-        try:
-            self.newton.linear.factorise(k, j)
-        except SingularSystemError:
-            return replace(outcome, detail="at a critical point: the stiffness is singular")
-        negative = self.newton.linear.negative_pivots or 0
-        self.statistics.negative_pivots = negative
-        text = f"unstable: the stiffness has {negative} negative eigenvalue{'s' * (negative > 1)}"
-        return replace(outcome, detail=text) if negative else outcome
-
-    def close(self, outcome: Outcome, on_failure: str) -> Result:
-        """End the recording and give the result, or raise."""
-        outcome = replace(self.judged(outcome), start=self.start)
-        self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
-        self.recorder.close(outcome, self.statistics)
-        result = Result(self.model, self.recorder, self.state, outcome, self.statistics)
-        if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
-            raise KeyboardInterrupt(str(outcome))
-        if not outcome.completed and on_failure == "raise":
-            raise ConvergenceError(f"the equilibrium {outcome}", outcome, result)
-        return result
+def _onto_branch(newton: BorderedNewton, start: Point, branch: Branch) -> Point | None:
+    """The equilibrium whose distance from the bifurcation along its null vector is that asked for, at whatever load."""
+    equations = newton.equations
+    shape = branch.amplitude * branch.point.shape[equations.elimination.independent]
+    along = newton.metric * shape
+    size = float(along @ shape)
+    new = start.copy()
+    new.u = start.u + shape
+    return newton.solve(new, start, lambda at: (float(along @ (at.u - start.u)) - size, along, 0.0), BRANCH_ITERATIONS)[1]

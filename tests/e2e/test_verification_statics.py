@@ -17,6 +17,8 @@ CASES = (
     "patch",
     "plate36",
     "plate-closed-forms",
+    "buckling",
+    "spin-stiffening",
     "strain-models",
     "sze-cantilever",
     "sze-roll-up",

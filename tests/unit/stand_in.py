@@ -99,6 +99,7 @@ def result(plates: int = 1, frames: int = 10, scale: float = 1.0, axis: str = "t
     """A finished run of one or two swinging plates; ``frame_v`` is kept as result files do."""
     q0 = np.concatenate([flat(2.5 * k) for k in range(plates)]).reshape(-1)
     model = SimpleNamespace(
+        imperfection=None,
         q0=q0,
         plates=tuple(QuadraticPlate(f"plate{k}", 9 * k, **strengths) for k in range(plates)),
         rigid_bodies=(),
@@ -119,7 +120,7 @@ def result(plates: int = 1, frames: int = 10, scale: float = 1.0, axis: str = "t
 def snap_through(points: int = 12) -> Result:
     """A path whose load factor passes a limit point while the plate goes on bending."""
     q0 = flat().reshape(-1)
-    model = SimpleNamespace(q0=q0, plates=(QuadraticPlate("plate0"),), rigid_bodies=(), description=None)
+    model = SimpleNamespace(q0=q0, plates=(QuadraticPlate("plate0"),), rigid_bodies=(), description=None, imperfection=None)
     factor = Signal("load_factor", "1", (), lambda s: s.factor, "factor of loads and support motions")
     recorder = Recorder((factor, *signals()), "path", 0.0, 1.0)
     for k, t in enumerate(np.linspace(0.0, 0.25, points)):

@@ -10,11 +10,12 @@ import pytest
 import lamella as lm
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError, ModelFileError
-from lamella.io.analysis import Motion, NaturalModes, Statics
+from lamella.io.analysis import Motion
 from lamella.io.annotation import concrete
 from lamella.io.model_file import dumps, loads, read_model
 from lamella.io.schema import arguments, json_schema
 from lamella.io.sections import SECTIONS
+from lamella.io.static_analysis import NaturalModes, Statics
 from lamella.roles import Declaration
 from lamella.templates import template, templates
 

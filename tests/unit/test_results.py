@@ -56,7 +56,7 @@ def small_system() -> lm.System:
 
 
 def result_of(recorder: Recorder) -> Result:
-    model = SimpleNamespace(description=small_system())
+    model = SimpleNamespace(imperfection=None, description=small_system())
     statistics = Statistics(steps=40, newton_iterations=90, seconds_run=0.25)
     return Result(model, recorder, state_at(1.0), Outcome(Cause.COMPLETED, 1.0, 1.0), statistics)  # type: ignore[arg-type]
 

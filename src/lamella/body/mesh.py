@@ -77,7 +77,8 @@ class PlateMesh:
         self._corner_i, self._corner_j = (np.stack([k + node[d] for node in element.nodes], axis=1) for d, k in enumerate((i, j)))
         self.corners: Ints = self.node(self._corner_i, self._corner_j)
         """Numbers of the nodes of each element, shape (n_element, 4)."""
-        self._element_vectors = (per_node * self.corners[:, :, None] + np.arange(per_node)).reshape(len(i), -1)
+        self.element_vectors: Ints = (per_node * self.corners[:, :, None] + np.arange(per_node)).reshape(len(i), -1)
+        """Numbers of the vectors of each element among those of the body, shape (n_element, n_shape)."""
         self.scale = np.tile(np.repeat(element.scales(self.lx, self.ly), 3), (len(i), 1))
 
     def node(self, i: Ints, j: Ints) -> Ints:
@@ -119,7 +120,7 @@ class PlateMesh:
             DeclarationError: it folds or degenerates.
         """
         self.first = first
-        local = (3 * self._element_vectors[:, :, None] + np.arange(3)).reshape(len(self._element_vectors), -1)
+        local = (3 * self.element_vectors[:, :, None] + np.arange(3)).reshape(len(self.element_vectors), -1)
         self.coords: Ints = (local + 3 * first).astype(np.int64)
         self.reference: Floats = rest.reshape(len(rest), -1)
         check_folds(self)

@@ -203,6 +203,8 @@ class ShellBody(MeshedBody):
         v = spin + np.where(mesh.is_position[:, None], self.velocity, 0.0)
         rest = mesh.corner_vectors(self.stress_free_geometry) @ turn.T
         rest[:, np.tile(mesh.element.is_position, len(mesh.element.nodes))] += self.position
+        imperfect = build.imperfect(q)
+        rest, q = rest + (imperfect - q)[mesh.element_vectors], imperfect
         mesh.place(build.vectors(self.name, q, v, mesh.is_position, mesh.magnitude), rest)
         build.bodies[self.name] = mesh
         arguments = (mesh.coords, mesh.scale, mesh.reference)

@@ -50,7 +50,7 @@ def info_command(path: Path) -> None:
 def _show_result(console: Console, result: Result) -> None:
     samples, frames = len(result.at), len(result.frame_at)
     console.print(f"{result.outcome}; {samples} samples over {result.axis}, {frames} frames")
-    for note in (*result.start.notes, *result.events):
+    for note in (*result.start.notes, *result.events, *result.critical_points):
         console.print(str(note), markup=False)
     done = {name: value for name, value in result.statistics.as_dict().items() if value}
     console.print(", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in done.items()))

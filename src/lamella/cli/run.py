@@ -10,9 +10,9 @@ from rich.table import Table
 
 from lamella.errors import ModelFileError
 from lamella.examples import Example, example, examples
-from lamella.io.analysis import mode_table
+from lamella.io.analysis import shape_table
 from lamella.io.model_file import read_model
-from lamella.modal import Modes
+from lamella.shapes import Shapes
 from lamella.study.findings import Finding
 from lamella.study.folder import open_folder
 from lamella.study.run import Finished, run_model
@@ -66,10 +66,15 @@ def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -
     for variant, finished in runs.items():
         for item in finished:
             label = f"{variant} {item.analysis.name}".strip()
-            if isinstance(item.computed, Modes):
-                table.add_row(label, f"{len(mode_table(item.computed))} modes", "", "", "")
+            if isinstance(item.computed, Shapes):
+                found = shape_table(item.computed)
+                name, unit = item.computed.quantity[0].replace("_", " "), item.computed.quantity[1]
+                lowest = f", first {name} {found[0][1]:.5g}{'' if unit == '1' else f' {unit}'}" if found else ""
+                table.add_row(label, f"{len(found)} {'shape' if len(found) == 1 else 'shapes'}{lowest}", "", "", "")
                 continue
-            notes += [(label, str(note)) for note in (*item.computed.start.notes, *item.computed.events)]
+            notes += [
+                (label, str(note)) for note in (*item.computed.start.notes, *item.computed.events, *item.computed.critical_points)
+            ]
             counts = item.computed.statistics
             table.add_row(
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"

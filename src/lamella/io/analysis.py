@@ -1,4 +1,4 @@
-"""What a model file computes and writes: the analyses and the output, as declarations."""
+"""What a model file computes and writes: the motion and the output, as declarations; statics and modes stand beside it."""
 
 from __future__ import annotations
 
@@ -14,19 +14,15 @@ from lamella.dofs import Signal
 from lamella.errors import ModelError
 from lamella.integrate.base import Integrator
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
-from lamella.modal import Modes, modes
 from lamella.model import Model
 from lamella.motion import simulate
 from lamella.result import Result, Sink
-from lamella.roles import Floats
-from lamella.signals import LOAD_FACTOR, system_signals
-from lamella.solve.arc_length import ArcLength
-from lamella.solve.newton import Newton
+from lamella.shapes import Shapes
+from lamella.signals import system_signals
 from lamella.state import State
-from lamella.statics import STATIC_NEWTON, equilibrium, equilibrium_path
 from lamella.units import Number, Positive, Time
 
-Computed = Result | Modes
+Computed = Result | Shapes
 Count = Annotated[int, Field(ge=1)]
 
 
@@ -56,12 +52,21 @@ class Analysis(ABC):
         """What it samples, in this order."""
         return system_signals(equations)
 
+    def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
+        """The model it computes with: that of the system, or of an earlier analysis it goes on from.
+
+        Args:
+            model: the compiled system.
+            earlier: what the analyses before it gave, by name.
+        """
+        return model
+
     @abstractmethod
     def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Computed:
         """Compute it.
 
         Args:
-            model: the compiled system.
+            model: as prepared.
             earlier: what the analyses before it gave, by name.
             frames: number of configurations kept for pictures.
             sinks: receive the solution while it runs.
@@ -96,6 +101,9 @@ class Motion(Analysis):
     def span(self) -> tuple[float, float]:
         return self.t_start, self.t_end
 
+    def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
+        return model_of(self, self.start, earlier) or model
+
     def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
         initial = state_of(self, self.start, earlier)
         return simulate(
@@ -108,98 +116,6 @@ class Motion(Analysis):
             sinks=sinks,
             on_failure="return",
         )
-
-
-@declaration
-class Statics(Analysis):
-    """Static equilibrium under the full load, reached in load steps.
-
-    Args:
-        name: unique name.
-        steps: number of equal load steps, or ascending load factors to solve for; cut where needed.
-        time: time at which loads and prescribed motions are taken [s].
-        newton: how each step is solved.
-        smallest_step: load step below which the solution is given up.
-    """
-
-    axis: ClassVar[str] = "load_factor"
-    name: str
-    steps: Count | tuple[Number, ...] = 1
-    time: Time = 0.0
-    newton: Newton = STATIC_NEWTON
-    smallest_step: Annotated[float, Field(gt=0, lt=1)] = 1e-4
-
-    @property
-    def span(self) -> tuple[float, float]:
-        return 0.0, self.steps[-1] if isinstance(self.steps, tuple) and self.steps else 1.0
-
-    def signals(self, equations: Equations) -> list[Signal]:
-        return [LOAD_FACTOR, *system_signals(equations)]
-
-    def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
-        return equilibrium(
-            model,
-            t=self.time,
-            steps=self.steps,
-            newton=self.newton,
-            smallest_step=self.smallest_step,
-            sinks=sinks,
-            on_failure="return",
-        )
-
-
-@declaration
-class Path(Analysis):
-    """The equilibrium path by its arc length, through limit points.
-
-    Args:
-        name: unique name.
-        until: load factor at which the path ends.
-        time: time at which loads and prescribed motions are taken [s].
-        arc: control of the arc length.
-        newton: how each step is solved.
-    """
-
-    axis: ClassVar[str] = "path"
-    name: str
-    until: Number = 1.0
-    time: Time = 0.0
-    arc: ArcLength = ArcLength()
-    newton: Newton = STATIC_NEWTON
-
-    @property
-    def span(self) -> tuple[float, float]:
-        return 0.0, float(self.arc.max_steps)
-
-    @property
-    def target(self) -> float:
-        return self.until
-
-    def signals(self, equations: Equations) -> list[Signal]:
-        return [LOAD_FACTOR, *system_signals(equations)]
-
-    def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
-        return equilibrium_path(
-            model, t=self.time, until=self.until, arc=self.arc, newton=self.newton, sinks=sinks, on_failure="return"
-        )
-
-
-@declaration
-class NaturalModes(Analysis):
-    """Natural frequencies and shapes.
-
-    Args:
-        name: unique name.
-        count: number of modes, from the lowest.
-        about: name of an earlier analysis whose last state the modes are about; the reference configuration when left out.
-    """
-
-    name: str
-    count: Count = 10
-    about: str | None = None
-
-    def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Modes:
-        return modes(model, self.count, state=state_of(self, self.about, earlier))
 
 
 @declaration
@@ -239,18 +155,33 @@ def state_of(analysis: Analysis, name: str | None, earlier: Mapping[str, Compute
     Raises:
         ModelError: there is none of that name, or it has no state.
     """
-    if name is None:
-        return None
+    return None if name is None else result_of(analysis, name, earlier).final
+
+
+def model_of(analysis: Analysis, name: str | None, earlier: Mapping[str, Computed]) -> Model | None:
+    """The model of the earlier analysis ``name``, which may have an imperfection; None without a name.
+
+    Raises:
+        ModelError: as :func:`state_of`.
+    """
+    return None if name is None else result_of(analysis, name, earlier).model
+
+
+def result_of(analysis: Analysis, name: str, earlier: Mapping[str, Computed]) -> Result:
+    """The result of the earlier analysis ``name``.
+
+    Raises:
+        ModelError: there is none of that name, or it has no state.
+    """
     found = earlier.get(name)
     if not isinstance(found, Result):
         known = ", ".join(key for key, item in earlier.items() if isinstance(item, Result)) or "none"
         raise ModelError(
             f"analysis '{analysis.name}' starts from '{name}', which is no earlier analysis with a state; there are: {known}"
         )
-    return found.final
+    return found
 
 
-def mode_table(found: Modes) -> list[tuple[int, float]]:
-    """Numbers from 1 and frequencies [Hz]."""
-    frequencies: Floats = found.frequencies
-    return [(number, float(frequency)) for number, frequency in enumerate(frequencies, start=1)]
+def shape_table(found: Shapes) -> list[tuple[int, float]]:
+    """Numbers from 1 and frequencies [Hz] or load factors."""
+    return [(number, float(value)) for number, value in enumerate(found.values, start=1)]

@@ -1,11 +1,14 @@
-"""Natural modes as a file and as frames of a result.
+"""Natural modes and buckling shapes as a file and as frames of a result.
 
 The file is HDF5 with the layout of netCDF-4, like result files:
 
-    /mode, /coordinate         numbers of the modes, from 1, and of the coordinates
-    /frequency                 (mode,) [Hz]; negative for an unstable mode
-    /shapes                    (mode, coordinate), normalised by phi^T M phi = 1
-    /state                     (coordinate,), about which the modes are
+    /mode, /coordinate         numbers of the shapes, from 1, and of the coordinates
+    /frequency                 (mode,) [Hz]; negative for an unstable mode; of natural modes
+    /load_factor               (mode,); of buckling shapes
+    /shapes                    (mode, coordinate), normalised by phi^T M phi = 1, or phi^T K phi = 1 of buckling shapes
+    /quadrature                (mode, coordinate), the part a quarter of a period late; of modes in a frame that spins
+    /imperfection              (coordinate,), added to the stress-free geometry; only where there is one
+    /state                     (coordinate,), about which the shapes are
     attributes of /            format, format_version, versions, created, title, model
 """
 
@@ -22,17 +25,19 @@ from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_other_file
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
+from lamella.shapes import Shapes
+from lamella.stability import Buckling
 from lamella.state import State
 from lamella.viz.solids import drawable, shaped, surface
 
 FORMAT, FORMAT_VERSION = "lamella modes", "1.0"
 AXIS = "mode"
 SHARE = 0.12
-"""Largest displacement of a drawn mode as a share of the largest extent of the bodies."""
+"""Largest displacement of a drawn shape as a share of the largest extent of the bodies."""
 
 
-def write_modes(modes: Modes, path: str | Path, *, model_text: str | None = None, title: str = "") -> Path:
-    """Write frequencies and shapes to an HDF5 file; an existing one is replaced only when the new one is whole.
+def write_modes(modes: Shapes, path: str | Path, *, model_text: str | None = None, title: str = "") -> Path:
+    """Write shapes and their values to an HDF5 file; an existing one is replaced only when the new one is whole.
 
     Args:
         modes: what was computed.
@@ -62,8 +67,8 @@ def write_modes(modes: Modes, path: str | Path, *, model_text: str | None = None
     return path
 
 
-def read_modes(path: str | Path) -> Modes:
-    """Read a file of modes; the model is compiled from the stored model file.
+def read_modes(path: str | Path) -> Modes | Buckling:
+    """Read a file of natural modes or buckling shapes; the model is compiled from the stored model file.
 
     Raises:
         ResultFileError: no such file, not a file of modes, damaged, or without a model.
@@ -72,20 +77,25 @@ def read_modes(path: str | Path) -> Modes:
 
     path = Path(path)
     if not path.is_file() or not is_modes_file(path):
-        raise ResultFileError(f"'{path}' is not a file of modes; accepted is one written for an analysis natural_modes")
+        raise ResultFileError(
+            f"'{path}' is not a file of modes; accepted is one written for an analysis natural_modes or buckling"
+        )
     try:
         with h5py.File(path, "r", locking=False) as file:
             text = str(file.attrs["model"])
             root: Node = file
-            arrays = [np.asarray(root[name][()]) for name in ("frequency", "shapes", "state")]
+            kind = Buckling if Buckling.quantity[0] in root else Modes
+            values, shapes, state = (np.asarray(root[name][()]) for name in (kind.quantity[0], "shapes", "state"))
+            imperfection = np.asarray(root["imperfection"][()]) if "imperfection" in root else None
+            late = np.asarray(root["quadrature"][()]).T if "quadrature" in root else None
     except (OSError, KeyError, RuntimeError) as error:  # what h5py raises for a truncated or altered file
         raise ResultFileError(f"file of modes '{path}' is damaged or cannot be read: {error}") from error
     if not text:
         raise ResultFileError(f"'{path}' holds no model; accepted are modes of a model that can be written as a model file")
     from lamella.io.model_file import loads
 
-    frequencies, shapes, state = arrays
-    return Modes(loads(text, name=str(path)).system.compile(), frequencies, shapes.T, state)
+    model = loads(text, name=str(path)).system.compile(imperfection)
+    return Buckling(model, values, shapes.T, state) if kind is Buckling else Modes(model, values, shapes.T, state, late)
 
 
 def is_modes_file(path: Path) -> bool:
@@ -101,29 +111,30 @@ def is_modes_file(path: Path) -> bool:
         return False
 
 
-def mode_frames(modes: Modes, amplitude: float, count: int | None = None) -> Result:
-    """A frame for each mode, over the number of the mode: the state with the shape added.
+def mode_frames(modes: Shapes, amplitude: float, count: int | None = None) -> Result:
+    """A frame for each shape, over its number: the state with the shape added.
 
-    Displacements are counted from the state that the modes are about, so they show the shape alone.
+    Displacements are counted from the state that the shapes are about, so they show the shape alone.
 
     Args:
         modes: what was computed.
         amplitude: largest displacement of each shape [m].
-        count: number of modes, all when left out.
+        count: number of shapes, all when left out.
     """
-    count = min(count or len(modes.frequencies), len(modes.frequencies))
+    count = min(count or len(modes.values), len(modes.values))
+    name, unit, meaning = modes.quantity
     model = replace(modes.model, q0=modes.state)
     numbers = [float(number) for number in range(1, count + 1)]
     shapes = [modes.displaced(mode, amplitude) for mode in range(count)]
     unknown, none = np.full(len(modes.state), np.nan), np.empty(0)
     last = State(0.0, shapes[-1], unknown, unknown, none, none)
     recorder = Recorder(
-        [Signal("frequency", "Hz", (), lambda state: np.nan, "natural frequency")],
+        [Signal(name, unit, (), lambda state: np.nan, meaning)],
         AXIS,
         numbers[0],
         numbers[-1],
         at=numbers,
-        values=[[np.array([frequency])] for frequency in modes.frequencies[:count]],
+        values=[[np.array([value])] for value in modes.values[:count]],
         frame_at=numbers,
         frame_q=shapes,
         frame_v=[unknown] * count,
@@ -131,7 +142,7 @@ def mode_frames(modes: Modes, amplitude: float, count: int | None = None) -> Res
     return Result(model, recorder, last, Outcome(Cause.COMPLETED, numbers[-1], numbers[-1]), Statistics())
 
 
-def natural_amplitude(modes: Modes) -> float:
+def natural_amplitude(modes: Shapes) -> float:
     """A largest displacement that shows shapes well [m]: a share of the largest extent of the bodies.
 
     Raises:
@@ -144,23 +155,29 @@ def natural_amplitude(modes: Modes) -> float:
     return SHARE * float(np.ptp(positions, axis=0).max())
 
 
-def _write(file: Node, modes: Modes) -> None:
-    scales = {AXIS: np.arange(1, len(modes.frequencies) + 1), "coordinate": np.arange(len(modes.state))}
+def _write(file: Node, modes: Shapes) -> None:
+    scales = {AXIS: np.arange(1, len(modes.values) + 1), "coordinate": np.arange(len(modes.state))}
     for name, numbers in scales.items():
         file.create_dataset(name, data=numbers).attrs.update({"units": "1", "long_name": f"number of the {name}"})
         file[name].make_scale(name)
+    quantity, of, meaning = modes.quantity
+    late = modes.quadrature if isinstance(modes, Modes) else None
     for name, values, axes, unit, label in (
-        ("frequency", modes.frequencies, (AXIS,), "Hz", "natural frequency"),
-        ("shapes", modes.shapes.T, (AXIS, "coordinate"), "1", "shape, normalised by phi^T M phi = 1"),
-        ("state", modes.state, ("coordinate",), "m, 1", "coordinates about which the modes are"),
+        (quantity, modes.values, (AXIS,), of, meaning),
+        ("shapes", modes.shapes.T, (AXIS, "coordinate"), "1", f"shape, normalised by {modes.scaling}"),
+        ("quadrature", None if late is None else late.T, (AXIS, "coordinate"), "1", "part of the shape a quarter period late"),
+        ("imperfection", modes.model.imperfection, ("coordinate",), "m, 1", "added to the stress-free geometry"),
+        ("state", modes.state, ("coordinate",), "m, 1", "coordinates about which the shapes are"),
     ):
+        if values is None:
+            continue
         dataset = file.create_dataset(name, data=values)
         dataset.attrs.update({"units": unit, "long_name": label})
         for dimension, axis in zip(dataset.dims, axes, strict=True):
             dimension.attach_scale(file[axis])
 
 
-def _text(modes: Modes) -> str:
+def _text(modes: Shapes) -> str:
     from lamella.io.writer import dumps
 
     try:

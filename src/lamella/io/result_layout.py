@@ -12,11 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from lamella.critical import CriticalPoint
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
 from lamella.result import Happening, Start
 from lamella.roles import Floats
+from lamella.state import State
 
 Node = Any
 """A file, group or dataset of h5py, whose own types leave open which of them a look-up gives."""
@@ -204,6 +206,46 @@ def read_events(root: Node) -> tuple[Happening, ...]:
         return ()
     columns = group["time"][()].tolist(), group["name"].asstr()[()].tolist(), group["text"].asstr()[()].tolist()
     return tuple(Happening(t, name, text) for t, name, text in zip(*columns, strict=True))
+
+
+def write_critical_points(group: Node, points: Sequence[CriticalPoint]) -> None:
+    """Write where the stiffness became singular, with the null vectors and the equilibria."""
+    import h5py
+
+    numbers = group.create_dataset("point", data=np.arange(1, len(points) + 1))
+    numbers.attrs.update(plain({"units": "1", "long_name": "number of the critical point"}))
+    numbers.make_scale("point")
+    for name, unit, label in (
+        ("factor", "1", "load factor"),
+        ("at", "1", "place on the axis of the result"),
+        ("negative", "1", "negative eigenvalues of the stiffness before and behind the point"),
+        ("shape", "m, 1", "null vector of the stiffness, its largest displacement 1 m"),
+    ):
+        dataset = group.create_dataset(name, data=np.array([getattr(point, name) for point in points]))
+        dataset.attrs.update(plain({"units": unit, "long_name": label}))
+        dataset.dims[0].attach_scale(numbers)
+    for name, label in (("t", "time"), ("q", "coordinates of the equilibrium"), ("lam", "multipliers of the constraints")):
+        dataset = group.create_dataset(name, data=np.array([getattr(point.state, name) for point in points]))
+        dataset.attrs.update(plain({"units": "s" if name == "t" else "m, 1", "long_name": label}))
+        dataset.dims[0].attach_scale(numbers)
+    kinds = group.create_dataset("kind", (len(points),), h5py.string_dtype(), data=[point.kind for point in points])
+    kinds.attrs.update(plain({"long_name": "limit point or bifurcation"}))
+    kinds.dims[0].attach_scale(numbers)
+
+
+def read_critical_points(root: Node) -> tuple[CriticalPoint, ...]:
+    """What :func:`write_critical_points` wrote; nothing where there is none."""
+    group = root.get("critical_points", {})
+    if "point" not in group:
+        return ()
+    names = ("factor", "at", "kind", "negative", "shape", "t", "q", "lam")
+    columns = (group[name].asstr()[()] if name == "kind" else group[name][()] for name in names)
+    found = []
+    for factor, at, kind, negative, shape, t, q, lam in zip(*columns, strict=True):
+        rest = np.zeros_like(q)
+        state = State(float(t), q, rest, rest, lam, np.empty(0), float(factor))
+        found.append(CriticalPoint(float(factor), float(at), kind, (int(negative[0]), int(negative[1])), shape, state))
+    return tuple(found)
 
 
 def origin() -> dict[str, str]:

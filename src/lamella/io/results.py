@@ -9,6 +9,8 @@ spreadsheet read it without this package:
     /frames/<axis>, q, v       coordinates and velocities of the kept frames, (axis, coordinate)
     /statistics/<count>        scalars
     /events/time, name, text   when which events happened, (event,)
+    /critical_points/factor, at, kind, negative, shape, t, q, lam   where the stiffness became singular, (point, ...); in statics
+    /imperfection              (coordinate,), added to the stress-free geometry; only where there is one
     attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail,
                                start_displacement, start_turn, start_velocity, start_spin, start_where, start_left_out
 
@@ -36,6 +38,7 @@ from lamella.io.result_layout import (
     refuse_other_file,
     reserve,
     room_for,
+    write_critical_points,
     write_events,
     write_outcome,
     write_start,
@@ -65,6 +68,7 @@ class ResultWriter:
         target: time [s] or load factor asked for.
         overwrite: replace an existing result file.
         flush_seconds: longest time between two flushes [s], which is what a killed run loses at most.
+        imperfection: what is added to the stress-free geometry of the model, shape (n_q,).
 
     Raises:
         ResultFileError: the file exists, or cannot be created or written.
@@ -83,6 +87,7 @@ class ResultWriter:
         target: float = float("nan"),
         overwrite: bool = False,
         flush_seconds: float = 2.0,
+        imperfection: Floats | None = None,
     ) -> None:
         self.path = Path(path)
         self._signals, self._axis, self._n_q = tuple(signals), axis, n_q
@@ -98,6 +103,8 @@ class ResultWriter:
             lambda: lay_out(self._file, signals, axis, n_q, model=(model_text, model_missing), title=title, target=target),
             _MARGIN + len(model_text),
         )
+        if imperfection is not None:
+            self._burst(lambda: self._file.create_dataset("imperfection", data=imperfection), _MARGIN + imperfection.nbytes)
 
     def sample(self, at: float, values: Sequence[Floats]) -> None:
         """One sample of all signals."""
@@ -139,6 +146,7 @@ class ResultWriter:
                 stack.callback(self._close_file)
                 if not self._damaged:
                     size = _MARGIN // 2 + sum(64 + len(event.name) + len(event.text) for event in outcome.events)
+                    size += sum(512 + 8 * (2 * len(point.shape) + len(point.state.lam)) for point in outcome.critical_points)
                     self._burst(lambda: self._write_end(outcome, statistics), size)
 
     def discard(self) -> None:
@@ -200,6 +208,8 @@ class ResultWriter:
         write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
         write_start(self._file, outcome.start)
         write_events(self._file["events"], outcome.events)
+        if outcome.critical_points:
+            write_critical_points(self._file.create_group("critical_points"), outcome.critical_points)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():
             unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)
@@ -217,7 +227,17 @@ def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     signals, n_q = tuple(result.signals.values()), result.frame_q.shape[1] if result.frame_q.ndim == 2 else 0
     text, missing = model_text(result)
-    writer = ResultWriter(partial, signals, result.axis, n_q, model_text=text, model_missing=missing, title=title, overwrite=True)
+    writer = ResultWriter(
+        partial,
+        signals,
+        result.axis,
+        n_q,
+        model_text=text,
+        model_missing=missing,
+        title=title,
+        overwrite=True,
+        imperfection=result.imperfection,
+    )
     try:
         columns = [result.history(signal.name).values for signal in signals]
         for step, at in enumerate(result.at):

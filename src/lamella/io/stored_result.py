@@ -9,8 +9,8 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
-from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5, read_events, read_start
-from lamella.result import Cause, Happening, Outcome, Result, Statistics
+from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5, read_critical_points, read_events, read_start
+from lamella.result import Cause, Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
 
@@ -33,7 +33,7 @@ class StoredResult(Result):
         self.path, self.attributes = path, {name: _plain(value) for name, value in file.attrs.items()}
         self.axis, self.title, self.model_text = (str(self.attributes[name]) for name in ("axis", "title", "model"))
         self.model_missing = str(self.attributes.get("model_missing", ""))
-        self.outcome, self.statistics = _outcome(self.attributes, read_events(file)), _statistics(file["statistics"])
+        self.outcome, self.statistics = _outcome(self.attributes, file), _statistics(file["statistics"])
         group, frames = file["signals"], file["frames"]
         self.at: Floats = group[self.axis][()]
         names = [name for name in group if not group[name].is_scale]
@@ -44,6 +44,7 @@ class StoredResult(Result):
         self.frame_at: Floats = frames[self.axis][()]
         self.frame_q: Floats = frames["q"][: len(self.frame_at)]
         self.frame_v: Floats = frames["v"][: len(self.frame_at)]
+        self._imperfection: Floats | None = file["imperfection"][()] if "imperfection" in file else None
         self._model: Model | None = None
 
     @property
@@ -60,8 +61,13 @@ class StoredResult(Result):
                 raise ResultFileError(f"result file '{self.path}' holds no model{why}; {accepted}")
             from lamella.io.model_file import loads  # pydantic and the YAML reader are needed only here
 
-            self._model = loads(self.model_text).system.compile()
+            self._model = loads(self.model_text).system.compile(self._imperfection)
         return self._model
+
+    @property
+    def imperfection(self) -> Floats | None:
+        """What was added to the stress-free geometry, shape (n_q,); None when it was perfect."""
+        return self._imperfection
 
     @property
     def final(self) -> State:  # pyright: ignore[reportIncompatibleVariableOverride] -- made from the last frame
@@ -98,12 +104,13 @@ def read_result(path: str | Path) -> StoredResult:
         raise ResultFileError(f"result file '{path}' is damaged or cannot be read: {error}") from error
 
 
-def _outcome(attributes: dict[str, object], events: tuple[Happening, ...]) -> Outcome:
+def _outcome(attributes: dict[str, object], file: Node) -> Outcome:
     name, reached, target = (attributes[key] for key in ("outcome", "reached", "target"))
     numbers = float(str(reached)), float(str(target))
     if name == "running":
         return Outcome(Cause.INTERRUPTED, *numbers, "the file was not closed: the run was killed or is still going on")
-    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), events, read_start(attributes))
+    events, start = read_events(file), read_start(attributes)
+    return Outcome(Cause[str(name).upper()], *numbers, str(attributes["detail"]), events, start, read_critical_points(file))
 
 
 def _statistics(group: Node) -> Statistics:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from lamella.assembly.equations import Equations
-from lamella.assembly.point import STATIC, Point
+from lamella.assembly.point import Point
 from lamella.declaration import declaration
 from lamella.errors import SingularSystemError
-from lamella.result import Cause, Outcome, Statistics
+from lamella.result import Cause, Outcome
 from lamella.roles import Floats
-from lamella.solve.newton import NewtonSolver
+from lamella.solve.bordered import Between, BorderedNewton, Record
 from lamella.units import Positive
 
 LANDINGS = 30
@@ -48,59 +46,63 @@ class ArcLength:
     max_steps: Annotated[int, Field(ge=1)] = 500
 
     def follow(
-        self,
-        equations: Equations,
-        newton: NewtonSolver,
-        point: Point,
-        until: float,
-        record: Callable[[Point], None],
-        statistics: Statistics,
+        self, newton: BorderedNewton, point: Point, until: float, record: Record, *, leaving: Point | None = None
     ) -> Outcome:
         """Follow the path from an equilibrium until the load factor passes ``until``, which is then met exactly.
 
         Args:
-            equations: residual and matrix.
-            newton: linear solver, norms and tolerance.
+            newton: solves the equations of a step.
             point: an equilibrium.
-            until: load factor of the end.
+            until: load factor of the end; below that of ``point`` the load falls at first.
             record: receives every new equilibrium.
-            statistics: counts the work.
+            leaving: the point of the path before ``point``, which decides the sense at the start.
         """
-        path = _Path(self, equations, newton, statistics)
+        path = _Path(self, newton, upwards=until >= (point if leaving is None else leaving).factor)
+        if leaving is not None:
+            path.remember(leaving, point)
         radius = start = np.nan
         for _ in range(self.max_steps):
             try:
-                direction = path.tangent(point)
+                direction, _lam = newton.tangent(point)
             except SingularSystemError as error:
                 return Outcome(Cause.SINGULAR, point.factor, until, str(error))
             if np.isnan(radius):
                 radius = start = min(self.first * path.length(direction, 1.0), self.largest)
+                if leaving is not None:
+                    radius = start = min(self.largest, 2.0 * path.length(point.u - leaving.u, point.factor - leaving.factor))
             iterations, new = 0, None
             while new is None:
                 iterations, new = path.step(point, direction, radius)
                 if new is None:
-                    statistics.rejected += 1
+                    newton.statistics.rejected += 1
                     radius *= 0.5
                     if radius < self.smallest * start:
-                        return Outcome(Cause.NOT_CONVERGED, point.factor, until, f"arc length {radius:.1e}")
-            statistics.steps += 1
-            if new.factor >= until:
-                return self._finish(path, newton, point, direction, (radius, new), until, record)
+                        return Outcome(Cause.NOT_CONVERGED, point.factor, until, self._given_up(radius, start))
+            newton.statistics.steps += 1
+            if path.beyond(new.factor, until) or new.factor == until:
+                return self._finish(path, point, direction, (radius, new), until, record)
+            record(new, path.between(point, direction, radius))
             path.remember(point, new)
             point = new
-            record(point)
             radius = min(radius * float(np.clip((self.wanted / iterations) ** 0.5, 0.5, 2.0)), self.largest)
-        return Outcome(Cause.STEP_LIMIT, point.factor, until, f"{self.max_steps} steps")
+        detail = f"{self.max_steps} steps; raise max_steps of the arc length, or largest, {self.largest:g}, for longer steps"
+        return Outcome(Cause.STEP_LIMIT, point.factor, until, detail)
+
+    def _given_up(self, radius: float, start: float) -> str:
+        return (
+            f"the arc length cannot go on: its step fell to {radius:.1e}, below {self.smallest:g} of the first, {start:.1e}; "
+            "the points up to here are kept. Where the path bends sharply an imperfection rounds the corner; "
+            "a smaller first or smallest step may pass it"
+        )
 
     def _finish(
         self,
         path: _Path,
-        newton: NewtonSolver,
         point: Point,
         direction: Floats,
         beyond: tuple[float, Point],
         until: float,
-        record: Callable[[Point], None],
+        record: Record,
     ) -> Outcome:
         """Land on the load factor asked for, between the last two points.
 
@@ -114,31 +116,36 @@ class ArcLength:
             trial = path.step(point, direction, radius)[1]
             if trial is None:
                 break
-            if trial.factor < until:
-                near, nearest = radius, trial
-            else:
+            if path.beyond(trial.factor, until):
                 far, new = radius, trial
+            else:
+                near, nearest = radius, trial
             if abs(trial.factor - until) <= NEARLY * abs(beyond[1].factor - point.factor):
                 nearest = trial
                 break
-        last = nearest.copy()
+        none = np.zeros(len(nearest.u))
+        predicted, most = nearest.copy(), path.newton.newton.options.max_iterations
+        iterations, last = path.newton.solve(predicted, nearest, lambda at: (at.factor - until, none, 1.0), most)
+        if last is None or path.length(last.u - nearest.u, 0.0) > beyond[0]:
+            record(beyond[1], path.between(point, direction, beyond[0]))
+            detail = f"the path was passed beyond its end, where Newton's method found nothing in {iterations} iterations"
+            return Outcome(Cause.NOT_CONVERGED, beyond[1].factor, until, detail)
         last.factor = until
-        newton.forget()
-        report = newton.solve(last, STATIC, path.equations.coordinates(nearest))
-        if not report.converged or path.length(last.u - nearest.u, 0.0) > beyond[0]:
-            record(beyond[1])
-            return Outcome(Cause.NOT_CONVERGED, beyond[1].factor, until, f"the path was passed beyond its end; {report.detail}")
-        record(last)
+        record(last, path.between(point, direction, path.length(last.u - point.u, last.factor - point.factor)))
         return Outcome(Cause.COMPLETED, until, until)
 
 
 class _Path:
-    """One path: tangent direction and corrected steps."""
+    """Steps along one path: their sense, the arc of a step, and what counts as the same path."""
 
-    def __init__(self, options: ArcLength, equations: Equations, newton: NewtonSolver, statistics: Statistics) -> None:
-        self.options, self.equations, self.newton, self.statistics = options, equations, newton, statistics
-        self.metric = 1.0 / (equations.magnitude**2 * equations.n_u)
+    def __init__(self, options: ArcLength, newton: BorderedNewton, *, upwards: bool) -> None:
+        self.options, self.newton, self.metric = options, newton, newton.metric
+        self._sense = 1.0 if upwards else -1.0
         self._last: tuple[Floats, float] | None = None
+
+    def beyond(self, factor: float, until: float) -> bool:
+        """Whether a load factor lies beyond the one at the end of the path."""
+        return self._sense * (factor - until) > 0.0
 
     def length(self, du: Floats, dfactor: float) -> float:
         """Arc length of an increment."""
@@ -148,10 +155,18 @@ class _Path:
         """Keep the last increment, which decides the sense of the next."""
         self._last = new.u - old.u, new.factor - old.factor
 
-    def tangent(self, point: Point) -> Floats:
-        """du/dfactor along the path at an equilibrium."""
-        self._linearise(point, point)
-        return self._solve(-self.equations.load_direction(point))[0]
+    def between(self, point: Point, direction: Floats, radius: float) -> Between:
+        """Points of the step, by their share of its length; the sense is the one the step had."""
+        last = self._last
+
+        def at(share: float) -> Point | None:
+            kept, self._last = self._last, last
+            try:
+                return self.step(point, direction, share * radius)[1]
+            finally:
+                self._last = kept
+
+        return at
 
     def step(self, point: Point, direction: Floats, radius: float) -> tuple[int, Point | None]:
         """One step of the given arc length; (iterations, None) when it does not converge."""
@@ -159,48 +174,19 @@ class _Path:
         if self._last is not None:
             du, df = self._last
             dfactor *= float(np.sign(self.metric @ (du * direction) + self.options.psi**2 * df)) or 1.0
+        else:
+            dfactor *= self._sense
         new = point.copy()
         new.u, new.factor = point.u + dfactor * direction, point.factor + dfactor
-        before, last, iteration = point, np.inf, 0
-        for iteration in range(1, min(self.newton.options.max_iterations, 2 * self.options.wanted) + 1):
-            try:
-                r, phi = self._linearise(new, before)
-                if not np.isfinite(r).all():
-                    return iteration, None
-                du_r, dlam_r = self._solve(-r, -phi)
-                du_f, dlam_f = self._solve(-self.equations.load_direction(new))
-            except SingularSystemError:
-                return iteration, None
-            moved, risen = new.u - point.u, new.factor - point.factor
+
+        def condition(at: Point) -> tuple[float, Floats, float]:
+            moved, risen = at.u - point.u, at.factor - point.factor
             gap = self.length(moved, risen) ** 2 - radius**2
-            slope = 2.0 * float(self.metric @ (moved * du_f) + self.options.psi**2 * risen)
-            df = -float(gap + 2.0 * self.metric @ (moved * du_r)) / slope
-            du = du_r + df * du_f
-            size = self.newton.size(du)
-            before = new.copy()
-            new.u, new.lam, new.factor = new.u + du, new.lam + dlam_r + df * dlam_f, new.factor + df
-            self.statistics.newton_iterations += 1
-            contraction = size / last if np.isfinite(last) else 0.5
-            if not np.isfinite(size) or size > 1e6:
-                return iteration, None
-            if contraction < 1 and size * contraction / (1 - contraction) <= self.newton.options.tolerance:
-                return iteration, new if self._turns_gently(new.u - point.u, dfactor * direction) else None
-            last = size
-        return iteration, None
+            return gap, 2.0 * self.metric * moved, 2.0 * self.options.psi**2 * risen
+
+        iterations, new = self.newton.solve(new, point, condition, 2 * self.options.wanted)
+        return iterations, new if new is not None and self._turns_gently(new.u - point.u, dfactor * direction) else None
 
     def _turns_gently(self, moved: Floats, predicted: Floats) -> bool:
         """Whether a step keeps within 60 degrees of the tangent; a sharper turn is another branch, or a path cut short."""
         return float(self.metric @ (moved * predicted)) >= 0.5 * self.length(moved, 0.0) * self.length(predicted, 0.0)
-
-    def _linearise(self, point: Point, before: Point) -> tuple[Floats, Floats]:
-        previous = self.equations.coordinates(before) if self.newton.options.extrapolate else None
-        r, phi, k, j = self.equations.linearise(point, STATIC, previous)
-        self.newton.linear.factorise(k, j)
-        self.newton.forget()
-        self.statistics.tangents += 1
-        self.statistics.factorisations += 1
-        return r, phi
-
-    def _solve(self, r: Floats, s: Floats | None = None) -> tuple[Floats, Floats]:
-        self.statistics.solves += 1
-        return self.newton.linear.solve(r, np.zeros(self.equations.n_lam) if s is None else s)

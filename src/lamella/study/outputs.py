@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamella.errors import ResultFileError
-from lamella.io.analysis import Analysis, Computed, Output, mode_table
+from lamella.io.analysis import Analysis, Computed, Output, shape_table
 from lamella.io.model_file import ModelFile
 from lamella.io.modes import mode_frames, natural_amplitude, write_modes
-from lamella.modal import Modes
 from lamella.model import Model
 from lamella.result import Result
+from lamella.shapes import Shapes
 from lamella.study.folder import MODES, PICTURES
 from lamella.study.size import size_of
 from lamella.viz.solids import drawable
@@ -28,7 +28,7 @@ CAPTIONS = {
     "signals.png": "Recorded signals",
     "energy.png": "Energy and work, and what their balance leaves over",
     "shape.png": "The bodies, true to their place and scale",
-    "modes.png": "Shapes of the first modes",
+    "modes.png": "The first shapes",
     "animation.gif": "The motion",
 }
 DRAWN = {".png", ".gif"}
@@ -56,7 +56,7 @@ def write_outputs(
         ResultFileError: a file cannot be written.
     """
     output = model_file.output
-    if isinstance(computed, Modes):
+    if isinstance(computed, Shapes):
         return write_mode_outputs(model_file, computed, folder, pictures)
     files = [write_signals(computed, folder / "signals.csv")] if output.csv else []
     shown = bool(len(computed.frame_at) and drawable(computed.model))
@@ -78,8 +78,8 @@ def write_outputs(
     return files
 
 
-def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictures: bool) -> list[Path]:
-    """Write frequencies and shapes, the shapes for ParaView, their picture, and the report.
+def write_mode_outputs(model_file: ModelFile, modes: Shapes, folder: Path, pictures: bool) -> list[Path]:
+    """Write shapes and their values, the shapes for ParaView, their picture, and the report.
 
     Raises:
         ResultFileError: a file cannot be written.
@@ -87,7 +87,7 @@ def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictur
     output, text = model_file.output, model_file.text()
     files = [write_modes(modes, folder / MODES, model_text=text, title=model_file.title)]
     if output.csv:
-        files.append(write_frequencies(modes, folder / "modes.csv"))
+        files.append(write_values(modes, folder / "modes.csv"))
     if output.paraview and drawable(modes.model):
         from lamella.io.vtk import write_vtkhdf
 
@@ -103,14 +103,20 @@ def write_mode_outputs(model_file: ModelFile, modes: Modes, folder: Path, pictur
         from lamella.viz.report import Figure, Section, Table, write_report
 
         section = Section(
-            "Natural modes",
+            modes.title,
             figures=[Figure(path, CAPTIONS[path.name]) for path in drawn],
-            tables=[Table(["Mode", "Frequency [Hz]"], mode_table(modes))],
+            tables=[Table(["Number", _value_heading(modes)], shape_table(modes))],
         )
-        title, about = model_file.title or "Natural modes", model_file.description
+        title, about = model_file.title or modes.title, model_file.description
         sections = [section, system_section(model_file, modes.model)]
         files.append(write_report(folder / "report.html", title, sections, summary=about, model_text=text))
     return files + drawn
+
+
+def _value_heading(shapes: Shapes) -> str:
+    """Name and unit of the values, for people."""
+    name, unit, _ = shapes.quantity
+    return name.replace("_", " ").capitalize() + (f" [{unit}]" if unit != "1" else "")
 
 
 def make_folder(folder: Path) -> None:
@@ -218,13 +224,13 @@ def write_signals(result: Result, path: Path) -> Path:
     return _write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True))
 
 
-def write_frequencies(modes: Modes, path: Path) -> Path:
-    """Write the natural frequencies as a table.
+def write_values(modes: Shapes, path: Path) -> Path:
+    """Write natural frequencies or buckling load factors as a table.
 
     Raises:
         ResultFileError: the file cannot be written.
     """
-    return _write_rows(path, ["mode", "frequency [Hz]"], mode_table(modes))
+    return _write_rows(path, ["mode", f"{modes.quantity[0]} [{modes.quantity[1]}]"], shape_table(modes))
 
 
 def _write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[float]]) -> Path:

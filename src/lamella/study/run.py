@@ -12,10 +12,10 @@ from lamella.errors import ConvergenceError, LamellaError, ModelFileError, Resul
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
 from lamella.io.results import ResultWriter
-from lamella.modal import Modes
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Result, Sink
+from lamella.shapes import Shapes
 from lamella.study.folder import MODEL, RESULT
 from lamella.study.interruption import Interruption
 from lamella.study.outputs import write_outputs
@@ -89,6 +89,7 @@ def run_model(
 def _run_analysis(
     model_file: ModelFile, model: Model, analysis: Analysis, earlier: Mapping[str, Computed], folder: Path, progress: bool
 ) -> Finished:
+    model = analysis.prepared(model, earlier)
     sinks: list[Sink] = []
     files: list[Path] = []
     writer = None
@@ -96,7 +97,16 @@ def _run_analysis(
         signals = analysis.signals(Equations(model))
         files.append(folder / RESULT)
         text, title = model_file.text(), model_file.title
-        writer = ResultWriter(files[0], signals, analysis.axis, model.n_q, model_text=text, title=title, target=analysis.target)
+        writer = ResultWriter(
+            files[0],
+            signals,
+            analysis.axis,
+            model.n_q,
+            model_text=text,
+            title=title,
+            target=analysis.target,
+            imperfection=model.imperfection,
+        )
         sinks.append(writer)
     if progress and analysis.axis:
         sinks.append(ProgressBar(analysis.name, *analysis.span, "s" if analysis.axis == "time" else ""))
@@ -107,7 +117,7 @@ def _run_analysis(
         if writer is not None:
             writer.discard()
         raise
-    failure = "" if isinstance(computed, Modes) or computed.outcome.completed else str(computed.outcome)
+    failure = "" if isinstance(computed, Shapes) or computed.outcome.completed else str(computed.outcome)
     return Finished(analysis, computed, files, failure)
 
 

@@ -22,8 +22,8 @@ from lamella.viz.renderer import Body, ColourScale, Renderer, RendererName, Shee
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
 
 if TYPE_CHECKING:
-    from lamella.modal import Modes
     from lamella.result import Result
+    from lamella.shapes import Shapes
 
 LOAD_FACTOR, MODE_FREQUENCY = "load_factor", "frequency"
 """Signals that captions quote: of static solutions, and of natural modes."""
@@ -66,7 +66,9 @@ class Drawing:
         if self.result.axis == "time":
             return f"t = {at:.4g} s"
         if self.result.axis == "mode":
-            return f"Mode {at:.0f}: {self._sampled(MODE_FREQUENCY, at):.4g} Hz"
+            natural = MODE_FREQUENCY in self.result
+            value = self._sampled(MODE_FREQUENCY if natural else LOAD_FACTOR, at)
+            return f"Mode {at:.0f}: {value:.4g} Hz" if natural else f"Shape {at:.0f}: load factor {value:.4g}"
         factor = self._sampled(LOAD_FACTOR, at) if LOAD_FACTOR in self.result else at
         return f"load factor = {factor:.4g}"
 
@@ -120,9 +122,9 @@ def picture(
 
 
 def mode_sheet(
-    modes: Modes, path: str | Path, *, count: int = 9, view: View = "isometric", renderer: RendererName = "auto"
+    modes: Shapes, path: str | Path, *, count: int = 9, view: View = "isometric", renderer: RendererName = "auto"
 ) -> Path:
-    """Draw the shapes of the first modes side by side, coloured by displacement, with number and frequency.
+    """Draw the first shapes side by side, coloured by displacement, with number and frequency or load factor.
 
     Args:
         modes: what was computed.
@@ -136,7 +138,7 @@ def mode_sheet(
     """
     scale = natural_amplitude(modes)
     shapes = mode_frames(modes, 1.0, count)
-    title, label = "Natural modes", "Displacement, the largest of a mode = 1"
+    title, label = modes.title, "Displacement, the largest of a shape = 1"
     return picture(shapes, path, at=shapes.frame_at.tolist(), scale=scale, view=view, title=title, label=label, renderer=renderer)
 
 

@@ -1,0 +1,120 @@
+"""Eigenvalues of sparse matrices on the null space of constraints: K phi = omega^2 M phi and (K + s G + s^2 M) phi = 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse import linalg
+
+from lamella.errors import ModelError
+from lamella.roles import Floats
+
+RIGID_MODES = 7
+"""Modes computed beyond those asked for: the six of a rigid body and one elastic, which sets the scale."""
+
+
+class ConstrainedInverse:
+    """x = K^-1 y on the null space of J, from [[K, J^T], [J, 0]] [x; lam] = [y; 0].
+
+    Args:
+        matrix: K, shape (n, n).
+        J: constraint Jacobian, shape (n_lam, n).
+
+    Raises:
+        ModelError: the saddle-point matrix is singular.
+    """
+
+    def __init__(self, matrix: sparse.csc_array, J: sparse.csr_array) -> None:
+        self._n, self._n_lam = len(matrix.indptr) - 1, len(J.indptr) - 1
+        saddle = sparse.block_array([[matrix, J.T], [J, None]], format="csc") if self._n_lam else matrix
+        try:
+            self._factor = linalg.splu(sparse.csc_matrix(saddle))
+        except RuntimeError as error:
+            raise ModelError(
+                "modes: the constraints are redundant or some mass is missing; the shifted matrix is singular"
+            ) from error
+
+    def __call__(self, y: Floats) -> Floats:
+        return self._factor.solve(np.concatenate([np.ravel(y), np.zeros(self._n_lam)]))[: self._n]
+
+
+def lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too.
+
+    A body that can move freely has eigenvalues of zero, from which no shift can be derived; close to them the matrix is all but
+    singular and the elastic modes drown in rounding. They are then computed again with a shift of the elastic modes' order.
+    """
+    scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
+    K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
+    count = min(n + RIGID_MODES, len(magnitude) - len(J.indptr))
+    values, vectors = _nearest(K, M, J, count, -1e-3 * _typical(K, M))
+    largest = np.abs(values).max()
+    if np.abs(values).min() < 1e-6 * largest:
+        values, vectors = _nearest(K, M, J, count, -0.1 * largest)
+    chosen = np.argsort(values)[:n]
+    return values[chosen], scale @ vectors[:, chosen]
+
+
+def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, shift: float) -> tuple[Floats, Floats]:
+    """The ``n`` eigenvalues nearest to a shift below them, on the null space of J."""
+    n_u, inverse = len(M.indptr) - 1, ConstrainedInverse(sparse.csc_array(K - shift * M), J)
+    operator: Any = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
+    start = inverse(M @ np.ones(n_u))
+    values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
+    return np.asarray(values), np.asarray(vectors)
+
+
+def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
+    """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift."""
+    rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
+    factor = linalg.splu(sparse.csc_matrix(K + rough * M))
+    x, value = np.random.default_rng(0).standard_normal(len(K.indptr) - 1), 0.0
+    for _ in range(4):
+        x = factor.solve(M @ x)
+        x /= np.sqrt(x @ (M @ x))
+        value = float(x @ (K @ x))
+    return max(abs(value), rough)
+
+
+def gyroscopic(
+    K: sparse.csc_array, G: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """The ``n`` roots of smallest size of (K + s G + s^2 M) phi = 0 with skew-symmetric G, of each conjugate pair the upper one.
+
+    With w = s phi the equation is linear, s phi = w and s M w = -K phi - G w. The shape is turned in phase so that its real part
+    is largest. A small real shift keeps the matrix regular for bodies that can move freely.
+
+    Returns:
+        Roots s [1/s] by size, and shapes with phi^H M phi = 1, columns, shape (n_u, n).
+
+    Source: F. Tisseur, K. Meerbergen, SIAM Review 43 (2001) 235-286, section 3.4.
+    """
+    scale = sparse.diags_array(magnitude)
+    K, G, M = (sparse.csc_array(scale @ matrix @ scale) for matrix in (K, G, M))
+    J = sparse.csr_array(J @ scale)
+    unit = np.sqrt(_typical(K, M))  # time is counted in 1 / unit, so that phi and w have one size
+    G, M = sparse.csc_array(unit * G), sparse.csc_array(unit**2 * M)
+    shift, n_u = 0.03, len(magnitude)
+    inverse = ConstrainedInverse(sparse.csc_array(K + shift * G + shift**2 * M), J)
+
+    def operator(y: Floats) -> Floats:
+        a, b = np.split(np.ravel(y), 2)
+        phi = -inverse(M @ (b + shift * a) + G @ a)
+        return np.concatenate([phi, a + shift * phi])
+
+    size: Any = linalg.LinearOperator((2 * n_u, 2 * n_u), matvec=operator, dtype=float)  # pyright: ignore[reportCallIssue]
+    count = min(2 * (n + RIGID_MODES), 2 * n_u - 2)
+    start = operator(operator(np.random.default_rng(0).standard_normal(2 * n_u)))
+    solution: Any = linalg.eigs(size, count, which="LM", v0=start)
+    found, vectors = np.asarray(solution[0], complex), np.asarray(solution[1], complex)
+    roots = (shift + 1.0 / found) * unit
+    upper = np.flatnonzero(roots.imag > -1e-9 * np.abs(roots))
+    chosen = upper[np.argsort(np.abs(roots[upper]))][:n]
+    shapes = vectors[:n_u, chosen]
+    for k in range(shapes.shape[1]):
+        shapes[:, k] /= np.sqrt(float(np.real(shapes[:, k].conj() @ (M @ shapes[:, k])))) / unit
+        shapes[:, k] *= np.exp(-0.5j * np.angle(np.sum(shapes[:, k] ** 2)))
+    return roots[chosen], scale @ shapes

@@ -1,0 +1,159 @@
+"""One static solution: its equations, what is recorded, and how it ends."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import STATIC, Point
+from lamella.critical import CriticalPoint
+from lamella.errors import ConstraintError, ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
+from lamella.model import Model
+from lamella.progress import ProgressBar
+from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
+from lamella.roles import Floats
+from lamella.signals import LOAD_FACTOR, system_signals
+from lamella.solve.base import LinearSolver
+from lamella.solve.bordered import Between
+from lamella.solve.critical_search import CriticalSearch
+from lamella.solve.initial import changes, project_positions, refuse_contradiction, refuse_undetermined
+from lamella.solve.linear import Method, linear_solver
+from lamella.solve.newton import Newton, NewtonSolver
+from lamella.system import System
+
+
+def compiled(system: System | Model, imperfection: Floats | None = None) -> Model:
+    """The compiled system, with an imperfection when one is given.
+
+    Raises:
+        DeclarationError: a model that was compiled from no system cannot be given an imperfection; or it does not fit.
+    """
+    if imperfection is None:
+        return system.compile() if isinstance(system, System) else system
+    source = system if isinstance(system, System) else system.description
+    if not isinstance(source, System):
+        raise DeclarationError("imperfection", "the model was not compiled from a system", "accepted is the system itself")
+    return source.compile(imperfection)
+
+
+class StaticRun:
+    """What all static solutions share: equations, Newton, recording, critical points, and the end.
+
+    Args:
+        system: what is loaded.
+        t: time at which loads and motions are taken [s].
+        newton: how each step is solved.
+        solver: name of the linear solver.
+        axis: of the result.
+        imperfection: added to the stress-free geometry, shape (n_q,).
+    """
+
+    def __init__(
+        self, system: System | Model, t: float, newton: Newton, solver: Method, axis: str, imperfection: Floats | None = None
+    ) -> None:
+        self.began = time.perf_counter()
+        self.model = compiled(system, imperfection)
+        self.model.reset()
+        if not self.model.rows and not self.model.constraints:
+            raise ModelError(
+                "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
+            )
+        self.equations, self.statistics = Equations(self.model), Statistics()
+        linear = linear_solver(self.equations.matrix.pattern, solver)
+        self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
+        self.point = self.equations.start(t, factor=0.0, at_rest=True)
+        refuse_undetermined(self.equations, self.point)
+        self._make_consistent(linear)
+        self.axis = axis
+        self.search = CriticalSearch(self.equations, linear, self.statistics)
+        self.critical_points: list[CriticalPoint] = []
+
+    def _make_consistent(self, linear: LinearSolver) -> None:
+        """Meet the constraints by the smallest deformation, and keep what that changed."""
+        trial = self.point.copy()
+        try:
+            project_positions(self.equations, trial, linear, STATIC)
+            self.point = trial
+        except (ConstraintError, SingularSystemError):
+            pass  # Newton's method meets the same with its load steps and line search, and says what is free
+        if not self.equations.elimination.moves:  # which are scaled by the load factor, 0 here
+            refuse_contradiction(self.equations, self.point, rates=False)
+        self.start = changes(self.equations, self.point, self.model.q0, np.zeros(self.model.n_q))
+
+    def open(self, start: float, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
+        """Prepare to record, from the present point on."""
+        self.recorder = Recorder(
+            [LOAD_FACTOR, *system_signals(self.equations)], self.axis, start, until, sinks=(bar, *sinks) if bar else sinks
+        )
+        self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
+        self.statistics.seconds_compile = time.perf_counter() - self.began
+
+    def record(self, point: Point, between: Between | None = None) -> None:
+        """Take an equilibrium as the state to go on from, with the critical points on the way to it, and sample it.
+
+        Args:
+            point: the equilibrium.
+            between: finds those between the last one and it.
+        """
+        count = float(len(self.recorder.at))
+        if between is None:
+            self.search.begin(point)
+        else:
+            self.critical_points += self.search.passed(
+                point, between, lambda share, there: count - 1.0 + share if self.axis == "path" else self._at(there)
+            )
+        if not self.search.at_point:
+            self.newton.forget()
+        self.point, self.q = point, self.equations.coordinates(point)
+        self.state = self.equations.state(point)
+        self.model.settle(self.state)
+        self.recorder.sample(count if self.axis == "path" else self._at(point), self.state)
+
+    def take(self, point: Point, between: Between) -> None:
+        """Take an equilibrium as the state to go on from, without recording it."""
+        self.point, self.q = point, self.equations.coordinates(point)
+        self.state = self.equations.state(point)
+        self.model.settle(self.state)
+
+    def _at(self, point: Point) -> float:
+        return point.t if self.axis == "time" else point.factor
+
+    def guarded(self, solve: Callable[[], Outcome], until: float) -> Outcome:
+        """Run a solution; an interruption ends it with what was recorded."""
+        try:
+            self.record(self.point)
+            return solve()
+        except KeyboardInterrupt:
+            return Outcome(Cause.INTERRUPTED, self._at(self.point), until)
+        except ResultFileError as error:
+            return Outcome(Cause.WRITE_FAILED, self._at(self.point), until, str(error))
+
+    def judged(self, outcome: Outcome) -> Outcome:
+        """The outcome of a completed solution, with a word of warning when the equilibrium is unstable."""
+        if not outcome.completed:
+            return outcome
+        _, _, k, j = self.equations.linearise(self.point, STATIC)
+        try:
+            self.newton.linear.factorise(k, j)
+        except SingularSystemError:
+            return replace(outcome, detail="at a critical point: the stiffness is singular")
+        negative = self.newton.linear.negative_pivots or 0
+        self.statistics.negative_pivots = negative
+        text = f"unstable: the stiffness has {negative} negative eigenvalue{'s' * (negative > 1)}"
+        return replace(outcome, detail=text) if negative else outcome
+
+    def close(self, outcome: Outcome, on_failure: str) -> Result:
+        """End the recording and give the result, or raise."""
+        outcome = replace(self.judged(outcome), start=self.start, critical_points=tuple(self.critical_points))
+        self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
+        self.recorder.close(outcome, self.statistics)
+        result = Result(self.model, self.recorder, self.state, outcome, self.statistics)
+        if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
+            raise KeyboardInterrupt(str(outcome))
+        if not outcome.completed and on_failure == "raise":
+            raise ConvergenceError(f"the equilibrium {outcome}", outcome, result)
+        return result
