@@ -31,6 +31,7 @@ class Check:
             ``at most``: the part of the value above the limit; ``at least``: the part missing to the limit.
         source: where the reference is from (author, year, table or equation).
         unit: unit of value and reference, for example ``m``; empty for a pure number.
+        reason: why this tolerance, no wider and no narrower.
     """
 
     quantity: str
@@ -40,6 +41,7 @@ class Check:
     kind: Kind = "relative"
     source: str = ""
     unit: str = ""
+    reason: str = ""
 
     def __post_init__(self) -> None:
         for name in ("value", "reference", "tolerance"):
@@ -131,6 +133,7 @@ class References:
             entry.get("kind", "relative"),
             entry.get("source", self.source),
             entry.get("unit", ""),
+            entry["reason"],
         )
 
     def _entry(self, quantity: str) -> dict[str, Any]:
