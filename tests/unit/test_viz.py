@@ -26,11 +26,12 @@ from lamella.study.outputs import write_pictures
 from lamella.viz import renderer
 from lamella.viz.camera import VIEWS, fit_camera
 from lamella.viz.fields import SurfaceSampler
+from lamella.viz.page import cell
 from lamella.viz.painter import Painter, divided, refined
 from lamella.viz.path import plot_path
 from lamella.viz.plots import observed_order, plot_comparison, plot_convergence, plot_energy, plot_signals
 from lamella.viz.renderer import Body, ColourScale, Sheet
-from lamella.viz.report import Figure, Section, Table, cell, write_report
+from lamella.viz.report import Figure, Section, Table, write_report
 from lamella.viz.scene import _prepare, animation, picture
 from lamella.viz.solids import face_normals, sharp_edges
 from lamella.viz.style import RC, save_figure
