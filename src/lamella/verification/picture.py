@@ -83,10 +83,11 @@ class Shape:
     Args:
         title: heading.
         of: result of a solution, or natural modes.
-        at: time [s] or load factor, or several for panels side by side; by default the last. Of modes, how many.
+        at: time [s] or load factor, or several for panels side by side; by default the last.
         field: what the colours show, a name of :data:`lamella.viz.fields.FIELDS`, or a component such as ``displacement.z``.
         scale: factor on the displacement; 1 is true to scale.
         view: ``isometric``, ``front``, ``side``, ``top``, or the direction in which the camera looks.
+        shapes: largest number of modes drawn; ``at``, ``field`` and ``scale`` are for results.
     """
 
     title: str
@@ -95,6 +96,7 @@ class Shape:
     field: str = "displacement"
     scale: float = 1.0
     view: str | tuple[float, float, float] = "isometric"
+    shapes: int = 6
 
 
 Picture = Curves | Orders | Shape

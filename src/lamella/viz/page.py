@@ -78,7 +78,9 @@ def refuse_unwritable(path: Path, what: str = "report") -> None:
 
 
 def _unwritable(path: Path, what: str, error: OSError) -> ResultFileError:
-    return ResultFileError(f"{what} '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder")
+    return ResultFileError(
+        f"{what} '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
+    )
 
 
 def embedded(source: str | Path | matplotlib_figure.Figure) -> str:

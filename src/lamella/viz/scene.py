@@ -120,7 +120,14 @@ def picture(
 
 
 def mode_sheet(
-    modes: Modes, path: str | Path, *, count: int = 9, view: View = "isometric", renderer: RendererName = "auto"
+    modes: Modes,
+    path: str | Path,
+    *,
+    count: int = 9,
+    view: View = "isometric",
+    title: str = "Natural modes",
+    width: int = 1760,
+    renderer: RendererName = "auto",
 ) -> Path:
     """Draw the shapes of the first modes side by side, coloured by displacement, with number and frequency.
 
@@ -128,7 +135,7 @@ def mode_sheet(
         modes: what was computed.
         path: PNG (or SVG, PDF) to write.
         count: largest number of shapes.
-        view, renderer: as in :func:`picture`.
+        view, title, width, renderer: as in :func:`picture`.
 
     Raises:
         DeclarationError: nothing to draw in the model, or an unknown view or renderer.
@@ -136,8 +143,8 @@ def mode_sheet(
     """
     scale = natural_amplitude(modes)
     shapes = mode_frames(modes, 1.0, count)
-    title, label = "Natural modes", "Displacement, the largest of a mode = 1"
-    return picture(shapes, path, at=shapes.frame_at.tolist(), scale=scale, view=view, title=title, label=label, renderer=renderer)
+    shown = {"at": shapes.frame_at.tolist(), "label": "Displacement, the largest of a mode = 1"}
+    return picture(shapes, path, scale=scale, view=view, title=title, width=width, renderer=renderer, **shown)
 
 
 def animation(
