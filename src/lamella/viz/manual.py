@@ -54,11 +54,11 @@ class Chapter:
     def lines(self) -> list[dict[str, Any]]:
         """The checks as lines of a table; reason and source stand at the first of several equal ones, with their number."""
         rows = self.outcome.rows()
-        lines: list[dict[str, Any]] = [{"cells": cells(row), "passed": row["passed"]} for row in rows]
+        lines: list[dict[str, Any]] = [{"cells": cells(row), "passed": row["passed"], "rows": 0} for row in rows]
         start = 0
         for (reason, source), same in groupby(rows, key=lambda row: (row["reason"], row["source"])):
             count = len(list(same))
-            lines[start] |= {"reason": reason, "source": source, "count": count}
+            lines[start] |= {"reason": reason, "source": source, "rows": count}
             start += count
         return lines
 
