@@ -25,6 +25,9 @@ BALANCE = "energy.balance"
 SMALLEST_SPAN = 5e-3
 """A component that varies less than this part of its signal's largest variation is drawn as flat as it is."""
 
+LEGEND_ROW = 0.18
+"""Height of a row of a legend [inch]."""
+
 MOST_MARKERS = 40
 """Points beyond so many are thinned out, evenly, so that markers do not hide what they are compared with."""
 
@@ -184,6 +187,8 @@ def plot_curves(
         axes.margins(x=0.01 if joined else 0.05)
         if len(curves) + len(points or {}) > 1:
             place_legend(axes)
+            if figure.legends:  # below the axes, which keep their height
+                figure.set_figheight(3.4 + LEGEND_ROW * -(-len(axes.lines) // 2))
     return figure
 
 

@@ -40,7 +40,7 @@ def run() -> Iterator[Evidence]:
     published = {f"{name}, Sze et al.": references.points(f"{name.replace('−', '-')}, published") for name in computed}
     elastic = {"−U, elastica": (factors, -exact[:, 0]), "W, elastica": (factors, exact[:, 1])}
     yield Curves("Displacement of the tip", "Load factor [–]", "Displacement [m]", computed, published | elastic)
-    yield Shape("At 5, 20, 50 and 100 % of the load", result, at=(0.05, 0.2, 0.5, 1.0), view="front")
+    yield Shape("At 20 % and 100 % of the load", result, at=(0.2, 1.0), view=(0.3, 1.0, -0.3))
 
 
 def loaded(n_elements: int, factors: Sequence[float]) -> Result:
