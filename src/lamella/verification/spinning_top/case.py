@@ -61,13 +61,9 @@ def run() -> Iterator[Evidence]:
     found = result["top.position"].values
     tilt = np.arccos(found[:, 2] / ARM)
     turned = np.unwrap(np.arctan2(found[:, 1], found[:, 0]))
-    given = {
-        "source": "Euler angles of the heavy top",
-        "unit": "rad",
-        "reason": "second order: w_3 dt = 0.04, so (w_3 dt)^2 = 1.6e-3",
-    }
-    yield Check("largest tilt", tilt.max(), theta.max(), 1e-3, **given)
-    yield Check("precession at the end", turned[-1], phi[-1], 3e-3, **given)
+    source, why = "Euler angles of the heavy top", "second order: w_3 dt = 0.04, so (w_3 dt)^2 = 1.6e-3"
+    yield Check("largest tilt", tilt.max(), theta.max(), 1e-3, source=source, unit="rad", reason=why)
+    yield Check("precession at the end", turned[-1], phi[-1], 3e-3, source=source, unit="rad", reason=why)
     yield references.check("largest error of the centre of mass", np.abs(found - position).max() / ARM)
     yield Curves("Nutation", "Time [s]", "Tilt [rad]", {"lamella": (result.at, tilt)}, {"Euler angles": (result.at, theta)})
     paths = {"lamella": (found[:, 0], found[:, 1])}, {"Euler angles": (position[:, 0], position[:, 1])}
