@@ -74,7 +74,7 @@ def run() -> Iterator[Evidence]:
     yield Orders(
         "Deflection of the square plate", "Element [m]", {"w": ([SIDE / n for n in meshes], np.abs(errors) / closed)}, (4,)
     )
-    yield Shape("Stress along the fibres on top", meshes[8], field="von_mises_top", scale=1e4)
+    yield Shape("Stress on top, displacement × 1e4", meshes[8], field="von_mises_top", scale=1e4)
 
 
 def loaded(width: float, n: int = 16) -> Result:

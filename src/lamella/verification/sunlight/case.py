@@ -80,8 +80,11 @@ def _eclipse(references: References) -> Iterator[Evidence]:
     at, gradient, mean = result.at, result["root.T_M"].values, result["root.T_N"].values
     begin, end = np.searchsorted(at, (30.0 - 1e-6, 70.0 - 1e-6))
     dark = slice(begin, end + 1)
-    shares = {"T_N": (at, mean * RHO * C * H / (0.7 * SUN)), "T_M": (at, 20 * gradient * 2 * K / (0.7 * SUN))}
-    yield Curves("An eclipse from 30 s to 70 s", "Time [s]", "T_N ρ c h / (α S) [s], 20 T_M / (α S / 2k) [–]", shares)
+    shares = {
+        "T_N ρ c h / (α S) [s]": (at, mean * RHO * C * H / (0.7 * SUN)),
+        "20 T_M / (α S / 2k) [–]": (at, 20 * gradient * 2 * K / (0.7 * SUN)),
+    }
+    yield Curves("An eclipse from 30 s to 70 s", "Time [s]", "Scaled temperature", shares)
     yield references.check("heat in the shadow", _largest(result["sun.heat"].values[dark]))
     yield references.check("T_N gained in the shadow", float(mean[end] - mean[begin]))
     yield references.check("T_M after 40 s of shadow, share", float(gradient[end] / gradient[begin]))
