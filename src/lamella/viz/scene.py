@@ -143,7 +143,7 @@ def mode_sheet(
     """
     scale = natural_amplitude(modes)
     shapes = mode_frames(modes, 1.0, count)
-    shown = {"at": shapes.frame_at.tolist(), "label": "Displacement, the largest of a mode = 1"}
+    shown = {"at": shapes.frame_at.tolist(), "label": "Displacement / its largest [–]"}
     return picture(shapes, path, scale=scale, view=view, title=title, width=width, renderer=renderer, **shown)
 
 

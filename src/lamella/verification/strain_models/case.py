@@ -92,13 +92,8 @@ def large_bending(references: References) -> Iterator[Evidence]:
     yield references.check("large bending: shortening, strain = corotational", 1.0 - tips[32][0])
     yield references.check("large bending: order of the corotational model, 8 to 16 elements", np.log2(gaps[8] / gaps[16]))
     yield references.check("large bending: order of the corotational model, 16 to 32 elements", np.log2(gaps[16] / gaps[32]))
-    yield Orders(
-        "Large bending, frames of elements",
-        "Element [m]",
-        {"tip": ([1 / n for n in gaps], list(gaps.values()))},
-        (2,),
-        "Error [m]",
-    )
+    error = {"tip": ([1 / n for n in gaps], list(gaps.values()))}
+    yield Orders("Large bending, frames of elements", "Element [m]", error, y_label="Error [m]")
     linear = spanning(8, "linear")
     yield references.check("both ends clamped: floating model by the linear one", spanning(8, "floating") / linear)
     stiffened = spanning(32, "exact") / linear
