@@ -220,7 +220,7 @@ def plot_convergence(
         for order in orders:
             line = error[finest] * (span / size[finest]) ** order
             axes.loglog(span, line, color="#8a95a3", linewidth=0.9, linestyle=DASHES[2], zorder=1)
-            axes.annotate(f"order {order}", (span[1], line[1]), (3, 0), textcoords="offset points", fontsize=8, va="center")
+            axes.annotate(f"order {order}", (span[0], line[0]), (12, 0), textcoords="offset points", fontsize=8, va="center")
         axes.set(title=title, xlabel=x_label, ylabel=y_label)
         _tick_sizes(axes, np.unique(np.concatenate([np.asarray(x, float) for x, _ in series.values()])))
         place_legend(axes)
