@@ -46,4 +46,4 @@ def run() -> Iterator[Evidence]:
     yield Curves("Deflection of the tip across the beam", "Time [s]", "Deflection [m]", {"lamella": (t, across)})
     steady_state = {"steady, Simo and Vu-Quoc": ([t[-1]], [references.value("steady extension of the tip")])}
     yield Curves("Extension of the beam", "Time [s]", "Tip along the beam [m]", {"lamella": (t, along)}, steady_state)
-    yield Shape("At 3 s, 6 s, 9 s and 16 s", result, at=(3.0, 6.0, 9.0, 16.0), view="front")
+    yield Shape("At 3 s, 6 s, 9 s and 16 s", result, at=(3.0, 6.0, 9.0, 16.0), view=(0.3, 1.0, -0.3))
