@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lamella.verification import find_cases, run_cases
+from lamella.viz.case_pictures import drawn
 
 CASES = (
     "damping",
@@ -43,6 +44,7 @@ def test_case_passes(case):
     missed = [f"{c.quantity}: {c.value:.7g} instead of {c.reference:.7g}" for c in outcome.checks if not c.passed]
     assert not missed
     assert outcome.passed
+    assert all(drawn(picture).startswith("data:image/") for picture in outcome.pictures)
 
 
 @pytest.mark.parametrize("case", find_cases(CASES), ids=lambda case: case.name)

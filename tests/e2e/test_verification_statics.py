@@ -7,6 +7,7 @@ import pytest
 
 from lamella.material.laminate import Laminate
 from lamella.verification.runner import find_cases, run_case
+from lamella.viz.case_pictures import drawn
 
 CASES = (
     "liu-laminates",
@@ -37,6 +38,7 @@ def test_case_passes(name):
     assert not outcome.failure
     assert outcome.checks
     assert not failed
+    assert all(drawn(picture).startswith("data:image/") for picture in outcome.pictures)
 
 
 def test_the_other_sign_of_coupling_is_noticed(monkeypatch):

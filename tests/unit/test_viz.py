@@ -6,7 +6,6 @@ import base64
 import re
 import subprocess
 import warnings
-from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ import matplotlib
 import numpy as np
 import pytest
 import stand_in
+from html_page import Page
 from PIL import Image
 
 import lamella as lm
@@ -26,11 +26,12 @@ from lamella.study.outputs import write_pictures
 from lamella.viz import renderer
 from lamella.viz.camera import VIEWS, fit_camera
 from lamella.viz.fields import SurfaceSampler
+from lamella.viz.page import cell
 from lamella.viz.painter import Painter, divided, refined
 from lamella.viz.path import plot_path
 from lamella.viz.plots import observed_order, plot_comparison, plot_convergence, plot_energy, plot_signals
 from lamella.viz.renderer import Body, ColourScale, Sheet
-from lamella.viz.report import Figure, Section, Table, cell, write_report
+from lamella.viz.report import Figure, Section, Table, write_report
 from lamella.viz.scene import _prepare, animation, picture
 from lamella.viz.solids import face_normals, sharp_edges
 from lamella.viz.style import RC, save_figure
@@ -420,34 +421,6 @@ def test_refined_grid_keeps_its_points_and_is_linear_between() -> None:
 
 
 # --- report
-
-
-class Page(HTMLParser):
-    """Tags, attributes and text of a page; refuses tags that are not closed in order."""
-
-    VOID = frozenset({"meta", "img", "br", "link"})
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.images: list[dict[str, str | None]] = []
-        self.links: list[str | None] = []
-        self.text = ""
-        self.feed(text)
-        assert not self.open
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in self.VOID:
-            self.open.append(tag)
-        if tag == "img":
-            self.images.append(dict(attrs))
-        self.links += [value for name, value in attrs if name in ("href", "src")]
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
 
 
 def test_report_is_one_whole_page(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ REQUIRED = (
     "matplotlib",
     "pillow",
     "jinja2",
+    "markdown-it-py",
     "rich",
     "typer",
 )

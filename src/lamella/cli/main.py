@@ -123,7 +123,7 @@ def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print a list of objects instead of a table.")] = False,
     list_all: Annotated[bool, typer.Option("--list", help="List the cases; nothing is run.")] = False,
     fast: Annotated[bool, typer.Option("--fast", help="Leave out the slow cases.")] = False,
-    report: Annotated[Path | None, typer.Option("--report", help="Also write the table as an HTML page.")] = None,
+    report: Annotated[Path | None, typer.Option("--report", help="Also write the verification manual, an HTML page.")] = None,
 ) -> None:
     """Run the cases with a known answer; exit with 1 when one fails."""
     from lamella.cli.verify import list_cases, verify_command

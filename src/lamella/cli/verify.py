@@ -1,20 +1,23 @@
-"""The command ``lamella verify``: cases with a known answer, as a table, as JSON or as a page."""
+"""The command ``lamella verify``: cases with a known answer, as a table, as JSON or as a manual."""
 
 from __future__ import annotations
 
-import html
 import json
+import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 
-from lamella.errors import ModelError, ResultFileError
+from lamella.errors import ModelError
 from lamella.verification.runner import Case, Outcome, find_cases, run_cases
+from lamella.verification.table import COLUMNS, cells
 
-COLUMNS = ("case", "quantity", "computed", "reference", "error", "tolerance", "")
+if TYPE_CHECKING:
+    from lamella.viz.manual import Manual
 
 
 def list_cases(names: list[str], as_json: bool) -> None:
@@ -33,13 +36,14 @@ def verify_command(names: list[str], *, as_json: bool, fast: bool, report: Path 
     cases = [case for case in find_cases(names) if not (fast and case.slow)]
     if not cases:
         raise ModelError("no verification case to run")
-    outcomes = _run(cases, show=not as_json)
+    manual = _manual(names, fast, report) if report is not None else None
+    outcomes = _run(cases, show=not as_json, manual=manual)
     rows = [row for outcome in outcomes for row in outcome.rows()]
     if as_json:
         print(json.dumps([_finite(row) for row in rows], indent=2, ensure_ascii=False))
     failed = [outcome.case.name for outcome in outcomes if not outcome.passed]
-    if report is not None:
-        _write_report(rows, report)
+    if manual is not None:
+        manual.write()
     if not as_json:
         checks, seconds = len(rows), sum(outcome.seconds for outcome in outcomes)
         passed = sum(bool(row["passed"]) for row in rows)
@@ -48,12 +52,22 @@ def verify_command(names: list[str], *, as_json: bool, fast: bool, report: Path 
     return 1 if failed else 0
 
 
-def _run(cases: list[Case], show: bool) -> list[Outcome]:
+def _manual(names: list[str], fast: bool, path: Path) -> Manual:
+    """An empty manual that says by which command it was made."""
+    from lamella.viz.manual import Manual
+
+    options = [*(["--fast"] if fast else []), "--report", path.name]
+    return Manual(path, shlex.join(["lamella", "verify", *names, *options]))
+
+
+def _run(cases: list[Case], show: bool, manual: Manual | None) -> list[Outcome]:
     outcomes = []
     console = Console(stderr=True)
     terminal = show and sys.stderr.isatty()
     for number, outcome in enumerate(run_cases(cases), start=1):
-        outcomes.append(outcome)
+        if manual is not None:
+            manual.add(outcome)
+        outcomes.append(replace(outcome, pictures=()))  # the results that pictures hold would fill the memory
         if terminal:
             console.print(f"{number}/{len(cases)} {outcome.case.name}: {outcome.seconds:.1f} s", highlight=False)
     if show:
@@ -63,42 +77,15 @@ def _run(cases: list[Case], show: bool) -> list[Outcome]:
 
 
 def _table(outcomes: list[Outcome]) -> Table:
-    table = Table(*COLUMNS, header_style="bold")
+    table = Table("case", *COLUMNS, "", header_style="bold")
     for outcome in outcomes:
         for place, row in enumerate(outcome.rows()):
-            table.add_row(outcome.case.name if place == 0 else "", *_cells(row), style="" if row["passed"] else "red")
+            name, verdict = outcome.case.name if place == 0 else "", "ok" if row["passed"] else "FAILED"
+            table.add_row(name, *cells(row), verdict, style="" if row["passed"] else "red")
         table.add_section()
     return table
-
-
-def _cells(row: dict[str, Any]) -> tuple[str, ...]:
-    """Quantity, computed value, reference, error, tolerance and verdict as text."""
-    verdict = "ok" if row["passed"] else "FAILED"
-    if row["value"] is None:
-        return row["quantity"], "", "", "", "", verdict
-    unit = f" [{row['unit']}]" if row["unit"] else ""
-    sign = {"at most": "<= ", "at least": ">= "}.get(row["kind"], "")
-    relative = row["kind"] == "relative"
-    error, tolerance = (f"{100 * row[key]:.3g} %" if relative else f"{row[key]:.3g}" for key in ("error", "tolerance"))
-    return row["quantity"] + unit, f"{row['value']:.6g}", f"{sign}{row['reference']:.6g}", error, tolerance, verdict
 
 
 def _finite(row: dict[str, Any]) -> dict[str, Any]:
     """JSON has no NaN and no infinity: they become null."""
     return {key: None if isinstance(value, float) and not abs(value) < float("inf") else value for key, value in row.items()}
-
-
-def _write_report(rows: list[dict[str, Any]], path: Path) -> None:
-    body = "".join(
-        f"<tr class={'ok' if row['passed'] else 'failed'}>"
-        + "".join(f"<td>{html.escape(cell)}</td>" for cell in (row["case"], *_cells(row), row["source"]))
-        + "</tr>\n"
-        for row in rows
-    )
-    heading = "".join(f"<th>{name}</th>" for name in (*COLUMNS, "source"))
-    style = "body{font:15px sans-serif;margin:2em}td,th{padding:.2em .8em;text-align:left}.failed{color:#b00020;font-weight:bold}"
-    page = f"<!doctype html><meta charset=utf-8><title>Verification</title><style>{style}</style><h1>Verification</h1>"
-    try:
-        path.write_text(f"{page}<table><tr>{heading}</tr>\n{body}</table>\n", encoding="utf-8")
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error

@@ -31,6 +31,7 @@ class Check:
             ``at most``: the part of the value above the limit; ``at least``: the part missing to the limit.
         source: where the reference is from (author, year, table or equation).
         unit: unit of value and reference, for example ``m``; empty for a pure number.
+        reason: why this tolerance, no wider and no narrower.
     """
 
     quantity: str
@@ -40,6 +41,7 @@ class Check:
     kind: Kind = "relative"
     source: str = ""
     unit: str = ""
+    reason: str = ""
 
     def __post_init__(self) -> None:
         for name in ("value", "reference", "tolerance"):
@@ -110,15 +112,18 @@ class References:
         """The abscissae (load factors, times, ...) of a list of reference values."""
         return list(self._entry(quantity)["at"])
 
+    def points(self, quantity: str) -> tuple[list[float], list[float]]:
+        """Abscissae and values of a list of references, as a picture takes them; abscissae count from 1 where none are given."""
+        entry = self._entry(quantity)
+        return list(entry.get("at", range(1, len(entry["value"]) + 1))), list(entry["value"])
+
     def check(self, quantity: str, value: float) -> Check:
         """The computed ``value`` against the reference of ``quantity``."""
         return self._check(quantity, self._entry(quantity)["value"], value, quantity)
 
     def checks(self, quantity: str, values: Sequence[float] | Floats) -> Iterator[Check]:
         """Computed values against a list of references; each check is named ``quantity at abscissa``."""
-        entry = self._entry(quantity)
-        places = entry.get("at", range(1, len(entry["value"]) + 1))
-        for place, reference, value in zip(places, entry["value"], values, strict=True):
+        for place, reference, value in zip(*self.points(quantity), values, strict=True):
             yield self._check(quantity, reference, value, f"{quantity} at {place:g}")
 
     def _check(self, quantity: str, reference: float, value: float, label: str) -> Check:
@@ -131,6 +136,7 @@ class References:
             entry.get("kind", "relative"),
             entry.get("source", self.source),
             entry.get("unit", ""),
+            entry["reason"],
         )
 
     def _entry(self, quantity: str) -> dict[str, Any]:

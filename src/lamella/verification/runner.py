@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lamella.errors import ModelError
+from lamella.errors import DeclarationError, ModelError
 from lamella.verification.check import Check
+from lamella.verification.picture import Picture
 
 FOLDER = Path(__file__).parent
 
@@ -31,9 +32,13 @@ class Case:
     @property
     def title(self) -> str:
         """The heading of the case's README."""
+        return next((line.lstrip("# ").strip() for line in self.text.splitlines() if line.startswith("#")), self.name)
+
+    @property
+    def text(self) -> str:
+        """The case's README, in Markdown."""
         readme = self.folder / "README.md"
-        lines = readme.read_text(encoding="utf-8").splitlines() if readme.is_file() else []
-        return next((line.lstrip("# ").strip() for line in lines if line.startswith("#")), self.name)
+        return readme.read_text(encoding="utf-8") if readme.is_file() else ""
 
     def module(self) -> Any:
         """The imported ``case.py``."""
@@ -48,12 +53,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The checks of one case, or the failure that stopped it."""
+    """The checks of one case, or the failure that stopped it, and the data of its pictures."""
 
     case: Case
     checks: tuple[Check, ...]
     seconds: float
     failure: str = ""
+    pictures: tuple[Picture, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -73,13 +79,15 @@ class Outcome:
                 "kind": check.kind,
                 "unit": check.unit,
                 "source": check.source,
+                "reason": check.reason,
             }
             for check in self.checks
         ]
         if self.failure or not rows:
             text = self.failure or "the case made no check"
-            empty = {"value": None, "reference": None, "error": None, "tolerance": None, "kind": "", "unit": "", "source": ""}
-            rows.append({"case": self.case.name, "quantity": text, "passed": False, **empty})
+            empty = dict.fromkeys(("value", "reference", "error", "tolerance"))
+            blank = dict.fromkeys(("kind", "unit", "source", "reason"), "")
+            rows.append({"case": self.case.name, "quantity": text, "passed": False, **empty, **blank})
         return rows
 
 
@@ -101,14 +109,22 @@ def find_cases(names: Sequence[str] = (), folder: Path = FOLDER, package: str = 
 
 def run_case(case: Case) -> Outcome:
     """Run one case; an exception becomes a failed outcome that keeps the checks made until then."""
-    start, checks = time.perf_counter(), []
+    start, checks, pictures = time.perf_counter(), [], []
     failure = ""
     try:
-        checks.extend(case.module().run())  # keeps what a generator yields before it fails
+        for item in case.module().run():  # keeps what a generator yields before it fails
+            if isinstance(item, Check):
+                checks.append(item)
+            elif isinstance(item, Picture):
+                pictures.append(item)
+            else:
+                raise DeclarationError(
+                    f"case '{case.name}'", f"run() gave {item!r}", "accepted are Check, Curves, Orders and Shape"
+                )
     except Exception as error:  # noqa: BLE001  # one broken case must not hide the others
         place = traceback.extract_tb(error.__traceback__)[-1]
         failure = f"stopped by {type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
-    return Outcome(case, tuple(checks), time.perf_counter() - start, failure)
+    return Outcome(case, tuple(checks), time.perf_counter() - start, failure, tuple(pictures))
 
 
 def run_cases(cases: Sequence[Case]) -> Iterator[Outcome]:

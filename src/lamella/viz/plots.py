@@ -25,6 +25,12 @@ BALANCE = "energy.balance"
 SMALLEST_SPAN = 5e-3
 """A component that varies less than this part of its signal's largest variation is drawn as flat as it is."""
 
+LEGEND_ROW = 0.18
+"""Height of a row of a legend [inch]."""
+
+MOST_MARKERS = 40
+"""Points beyond so many are thinned out, evenly, so that markers do not hide what they are compared with."""
+
 MOST_IN_A_ROW, IN_A_ROW = 6, 3
 """A signal of more components than the first, such as a rotation matrix, takes rows of the second."""
 
@@ -146,7 +152,14 @@ def plot_comparison(
 
 
 def plot_curves(
-    curves: Mapping[str, Curve], x_label: str, y_label: str, *, points: Mapping[str, Curve] | None = None, title: str = ""
+    curves: Mapping[str, Curve],
+    x_label: str,
+    y_label: str,
+    *,
+    points: Mapping[str, Curve] | None = None,
+    title: str = "",
+    joined: bool = True,
+    log: str = "",
 ) -> Figure:
     """Curves, and points to compare them with, in one axes.
 
@@ -154,21 +167,28 @@ def plot_curves(
         curves: label to (x, y), drawn as lines.
         x_label: horizontal axis with unit.
         y_label: vertical axis with unit.
-        points: label to (x, y), drawn as open markers.
+        points: label to (x, y), drawn as open markers; of many points every so manieth.
         title: heading.
+        joined: False draws the curves as dots.
+        log: axes that are logarithmic: ``x``, ``y`` or ``xy``.
     """
     with styled():
         figure = new_figure(3.4)
         axes = figure.subplots()
         for number, (name, (x, y)) in enumerate(curves.items()):
             dash = DASHES[(number // 2 + number) % len(DASHES)] if len(curves) > 1 else DASHES[0]
-            axes.plot(x, y, color=COLOURS[number % len(COLOURS)], linestyle=dash, label=name)
+            look = {"linestyle": dash} if joined else {"linestyle": "", "marker": ".", "markersize": 7, "zorder": 4}
+            axes.plot(x, y, color=COLOURS[number % len(COLOURS)], label=name, **look)
         for number, (name, (x, y)) in enumerate((points or {}).items()):
-            axes.plot(x, y, "os^Dv"[number % 5], markerfacecolor="white", markeredgecolor=INK, markersize=5, label=name, zorder=3)
+            look = {"markerfacecolor": "white", "markeredgecolor": INK, "markersize": 5 if joined else 8, "zorder": 3}
+            axes.plot(x, y, "os^Dv"[number % 5], markevery=-(-len(x) // MOST_MARKERS), label=name, **look)
         axes.set(title=title, xlabel=x_label, ylabel=y_label)
-        axes.margins(x=0.01)
+        axes.set(**{f"{axis}scale": "log" for axis in log})
+        axes.margins(x=0.01 if joined else 0.05)
         if len(curves) + len(points or {}) > 1:
             place_legend(axes)
+            if figure.legends:  # below the axes, which keep their height
+                figure.set_figheight(3.4 + LEGEND_ROW * -(-len(axes.lines) // 2))
     return figure
 
 
@@ -200,7 +220,7 @@ def plot_convergence(
         for order in orders:
             line = error[finest] * (span / size[finest]) ** order
             axes.loglog(span, line, color="#8a95a3", linewidth=0.9, linestyle=DASHES[2], zorder=1)
-            axes.annotate(f"order {order}", (span[1], line[1]), (3, 0), textcoords="offset points", fontsize=8, va="center")
+            axes.annotate(f"order {order}", (span[0], line[0]), (12, 0), textcoords="offset points", fontsize=8, va="center")
         axes.set(title=title, xlabel=x_label, ylabel=y_label)
         _tick_sizes(axes, np.unique(np.concatenate([np.asarray(x, float) for x, _ in series.values()])))
         place_legend(axes)

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from lamella.errors import ResultFileError
-from lamella.io.provenance import versions
-from lamella.viz.style import styled
+from lamella.viz.page import render_page, write_page
 
 if TYPE_CHECKING:
     from matplotlib import figure as matplotlib_figure
@@ -20,7 +15,6 @@ if TYPE_CHECKING:
     from lamella.result import Result
     from lamella.study.findings import Finding
 
-MEDIA = {".png": "image/png", ".svg": "image/svg+xml", ".gif": "image/gif", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
 STATISTICS = {
     "steps": "Steps",
     "rejected": "Rejected steps",
@@ -107,14 +101,8 @@ def write_report(
     Raises:
         ResultFileError: a picture is missing or of an unknown kind, or the page cannot be written.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    path = Path(path)
-    environment = Environment(
-        loader=PackageLoader("lamella.viz", "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
-    environment.filters |= {"cell": cell, "paragraphs": paragraphs, "embedded": embedded}
-    page = environment.get_template("report.html.j2").render(
+    text = render_page(
+        "report.html.j2",
         title=title,
         summary=summary,
         sections=sections,
@@ -122,49 +110,8 @@ def write_report(
         model_text=model_text,
         outcomes={label: result.outcome for label, result in (results or {}).items()},
         statistics=_statistics_table(results or {}),
-        versions=versions(),
-        created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )
-    try:
-        path.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise ResultFileError(f"report '{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
-    return path
-
-
-def embedded(source: str | Path | matplotlib_figure.Figure) -> str:
-    """A picture as a data URI.
-
-    Raises:
-        ResultFileError: no such file, or an unknown kind of picture.
-    """
-    if not isinstance(source, (str, Path)):
-        content = io.BytesIO()
-        with styled():
-            source.savefig(content, format="svg", metadata={"Date": None})
-        return _data_uri("image/svg+xml", content.getvalue())
-    path = Path(source)
-    if path.suffix.lower() not in MEDIA:
-        raise ResultFileError(f"report: picture '{path}' is of an unknown kind; accepted are {', '.join(MEDIA)}")
-    try:
-        return _data_uri(MEDIA[path.suffix.lower()], path.read_bytes())
-    except OSError as error:
-        raise ResultFileError(f"report: picture '{path}' cannot be read: {error}") from error
-
-
-def cell(value: Any) -> str:
-    """A table cell as text: numbers with six significant digits, a true minus sign, yes and no."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    try:
-        return f"{value:.6g}".replace("-", "−") if not isinstance(value, int) else f"{value:,}".replace(",", " ")
-    except (TypeError, ValueError):  # text, None and other values are shown as they are
-        return str(value)
-
-
-def paragraphs(text: str) -> list[str]:
-    """Parts of a text that are separated by empty lines."""
-    return [" ".join(part.split()) for part in text.split("\n\n") if part.strip()]
+    return write_page(Path(path), text)
 
 
 def _statistics_table(results: Mapping[str, Result]) -> Table | None:
@@ -173,7 +120,3 @@ def _statistics_table(results: Mapping[str, Result]) -> Table | None:
     counts = [result.statistics.as_dict() for result in results.values()]
     rows = [[label, *(each.get(name, "") for each in counts)] for name, label in STATISTICS.items()]
     return Table(["", *results], rows)
-
-
-def _data_uri(media: str, content: bytes) -> str:
-    return f"data:{media};base64,{base64.b64encode(content).decode('ascii')}"

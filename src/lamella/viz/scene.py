@@ -122,7 +122,14 @@ def picture(
 
 
 def mode_sheet(
-    modes: Shapes, path: str | Path, *, count: int = 9, view: View = "isometric", renderer: RendererName = "auto"
+    modes: Shapes,
+    path: str | Path,
+    *,
+    count: int = 9,
+    view: View = "isometric",
+    title: str | None = None,
+    width: int = 1760,
+    renderer: RendererName = "auto",
 ) -> Path:
     """Draw the first shapes side by side, coloured by displacement, with number and frequency or load factor.
 
@@ -130,7 +137,7 @@ def mode_sheet(
         modes: what was computed.
         path: PNG (or SVG, PDF) to write.
         count: largest number of shapes.
-        view, renderer: as in :func:`picture`.
+        view, title, width, renderer: as in :func:`picture`.
 
     Raises:
         DeclarationError: nothing to draw in the model, or an unknown view or renderer.
@@ -138,8 +145,8 @@ def mode_sheet(
     """
     scale = natural_amplitude(modes)
     shapes = mode_frames(modes, 1.0, count)
-    title, label = modes.title, "Displacement, the largest of a shape = 1"
-    return picture(shapes, path, at=shapes.frame_at.tolist(), scale=scale, view=view, title=title, label=label, renderer=renderer)
+    shown = {"at": shapes.frame_at.tolist(), "label": "Displacement / its largest [–]", "title": title or modes.title}
+    return picture(shapes, path, scale=scale, view=view, width=width, renderer=renderer, **shown)
 
 
 def animation(

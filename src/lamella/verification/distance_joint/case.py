@@ -8,7 +8,7 @@ import numpy as np
 from scipy import linalg
 
 import lamella as lm
-from lamella.verification import Check, References
+from lamella.verification import Check, Curves, Evidence, References
 
 slow = False
 
@@ -40,8 +40,8 @@ def hanging(rod: float, plate: float) -> lm.System:
     return system
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     omega, shapes = double_pendulum()
     weight = WIDTH * HEIGHT * THICKNESS * RHO * G
@@ -53,9 +53,12 @@ def run() -> Iterator[Check]:
         t, y = result.at, position[:, 1]
         k = np.flatnonzero(y[:-1] * y[1:] < 0)
         crossings = t[k] - y[k] * (t[k + 1] - t[k]) / (y[k + 1] - y[k])
+        source, why = "double pendulum", "(omega dt)^2 = 2.5e-4 with 400 steps in a period"
         yield Check(
-            f"period of the {name} swing", 2 * np.diff(crossings).mean(), period, 2e-4, source="double pendulum", unit="s"
+            f"period of the {name} swing", 2 * np.diff(crossings).mean(), period, 2e-4, source=source, unit="s", reason=why
         )
         yield references.check(f"stretch of the rod, {name} swing", np.abs(np.linalg.norm(position, axis=1) / ROD - 1).max())
+        swing = ROD * np.sin(ANGLE * shapes[0, mode]) * np.cos(omega[mode] * t)
+        yield Curves(f"The {name} swing", "Time [s]", "y of the hook [m]", {"lamella": (t, y)}, {"double pendulum": (t, swing)})
         late = t > 0.5 * period
         yield references.check(f"mean tension / weight, {name} swing", result["rod.tension"].values[late].mean() / weight)

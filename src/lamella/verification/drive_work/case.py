@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.result import Result
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 from lamella.verification.mechanism import G
 
 slow = False
@@ -49,8 +49,8 @@ def balance(result: Result) -> tuple[Floats, Floats]:
     return done, gained - gained[0]
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     newton = lm.Newton(tolerance=1e-9)
     coarse, fine = (lm.simulate(driven(), END, lm.GeneralizedAlpha(dt=dt, rho_inf=0.9, newton=newton)) for dt in STEPS)
@@ -58,7 +58,11 @@ def run() -> Iterator[Check]:
     largest = fine["energy.kinetic"].values.max()
     yield references.check("work of the drive less energy and heat, 1 ms", errors[1] / largest)
     yield references.check("order of the difference", np.log2(errors[0] / errors[1]))
-    recorded, (done, _) = fine["work.supports"].values, balance(fine)
+    recorded, (done, gained) = fine["work.supports"].values, balance(fine)
+    parts = {name: (fine.at, fine[name].values) for name in ("energy.kinetic", "energy.strain", "work.dissipated")}
+    yield Curves(
+        "Work of the drive", "Time [s]", "Energy [J]", {"work": (fine.at, done)} | parts, {"energy and heat": (fine.at, gained)}
+    )
     yield references.check("recorded work against force times speed", np.abs(recorded - done).max() / largest)
     yield references.check("share of heat", fine["work.dissipated"].values[-1] / largest)
     weight = (CART + RHO * THICKNESS * SIZE[0] * SIZE[1]) * G

@@ -11,7 +11,7 @@ import lamella as lm
 from lamella.model import Model
 from lamella.roles import Floats
 from lamella.state import State
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 
 slow = True
 
@@ -88,16 +88,26 @@ def coordinates(places: Sequence[Floats]) -> tuple[float, float, float, float, f
 QUANTITIES = ("first bending mode q1", "second bending mode q2", "stretch q3", "stretch q4")
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
+    bending = {}
     strains: tuple[Literal["floating", "exact"], ...] = ("floating", "exact")
     for strain in strains:
         model = slider_crank(strain).compile()
         result = lm.simulate(model, END, lm.GeneralizedAlpha(dt=5e-5, rho_inf=0.8), initial=start(model))
-        phi2, *modes = coordinates([result[f"at {k}.position"].values[-1] for k in range(5)])
+        history = np.array(
+            [coordinates(places) for places in zip(*(result[f"at {k}.position"].values for k in range(5)), strict=True)]
+        )
+        bending[f"strain = {strain}"] = (result.at, history[:, 1])
+        phi2, *modes = history[-1]
         if strain == "floating":
             yield references.check("angle of the rod phi2", phi2)
             yield references.check("position of the slider x3", result["slider.position"].values[-1, 0])
         for quantity, value in zip(QUANTITIES, modes, strict=True):
             yield references.check(quantity if strain == "floating" else f"{quantity}, exact strains", value)
+    ends = {
+        "Simeon": ([END], [references.value("first bending mode q1")]),
+        "Ritz, w'^2 / 2": ([END], [references.value("first bending mode q1, exact strains")]),
+    }
+    yield Curves("First bending mode of the rod", "Time [s]", "q1 [m]", bending, ends)

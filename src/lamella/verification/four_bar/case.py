@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.assembly.equations import Equations
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 from lamella.verification.mechanism import G, link, one_degree_of_freedom, solved
 
 slow = False
@@ -63,8 +63,8 @@ def _direction(angle: Floats) -> Floats:
     return np.stack([np.cos(angle), np.sin(angle)])
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     system = four_bar()
     equations = Equations(system.compile())
@@ -76,6 +76,11 @@ def run() -> Iterator[Check]:
     found = result["coupler.position"].values
     yield references.check("crank angle", np.abs(result["A.angle"].values + angles[0] - angles[0, 0]).max())
     yield references.check("rocker angle", np.abs(result["D.angle"].values + angles[2] - angles[2, 0]).max())
+    computed, exact = {}, {}
+    for name, joint, angle in (("crank", "A", angles[0]), ("rocker", "D", angles[2])):
+        computed[name] = (result.at, angle[0] - result[f"{joint}.angle"].values)
+        exact[f"{name}, equation"] = (result.at, angle)
+    yield Curves("Angles of crank and rocker", "Time [s]", "Angle [rad]", computed, exact)
     yield references.check("centre of the coupler", np.abs(found[:, [0, 2]] - centre).max())
     yield references.check("motion out of the plane", np.abs(found[:, 1]).max())
     yield references.check("turned by the crank", float(np.ptp(angles[0])))

@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.model import Model
 from lamella.state import State
-from lamella.verification import Check, References
+from lamella.verification import Evidence, Orders, References
 
 slow = False
 
@@ -35,8 +35,8 @@ def momenta(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
     return p[model.is_position].sum(axis=0), np.cross(state.q.reshape(-1, 3), p).sum(axis=0)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     model, start = flying()
     P, H = momenta(model, start)
@@ -56,6 +56,7 @@ def run() -> Iterator[Check]:
     yield references.check("change of energy, 0.25 ms", energy[-1])
     yield references.check("observed order of energy", np.log2(energy[0] / energy[2]) / 2)
     yield references.check("observed order of angular momentum", np.log2(drift[0] / drift[2]) / 2)
+    yield Orders("Changes in free flight", "Time step [s]", {"energy": (STEPS, energy), "angular momentum": (STEPS, drift)}, (2,))
 
 
 def internal_resultants(model: Model, state: State) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import lamella as lm
-from lamella.verification import Check, References
+from lamella.verification import Evidence, References, Shape
 
 TURNS = {"at rest in the axes": (0.0, 0.0, 0.0), "turned in space": (0.6, -1.1, 0.4)}
 
@@ -32,14 +32,16 @@ def rigid_part(modes: lm.Modes) -> float:
     return float(np.min(np.sum((Phi.T @ (model.mass @ R)) ** 2, axis=0)))
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
-    elastic = []
+    elastic, found = [], {}
     for where, rotation in TURNS.items():
         modes = lm.modes(free(rotation), 10)
         first, rigid = modes.frequencies[6], np.abs(modes.frequencies[:6]).max()
+        found[where] = modes
         elastic.append(modes.frequencies[6:])
         yield references.check(f"largest rigid frequency / first elastic, {where}", rigid / first)
         yield references.check(f"share of rigid motion in six modes, {where}", rigid_part(modes))
+    yield Shape("Six rigid modes and three elastic ones, turned in space", found["turned in space"], shapes=9)
     yield references.check("change of elastic frequencies by turning", np.abs(elastic[1] / elastic[0] - 1).max())

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import lamella as lm
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = True
 
@@ -41,13 +41,22 @@ def square(mesh: int, held: bool) -> tuple[lm.System, float]:
     return system, 0.5 * np.pi * np.sqrt(E * h**3 / (12 * (1 - nu**2)) / (rho * h))
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
-    yield from references.checks("cantilever laminate", lm.modes(laminated("clamped"), 10).frequencies)
-    yield from references.checks("corner-pinned laminate", lm.modes(laminated("pinned"), 10).frequencies)
+    modes = {
+        "cantilever laminate": lm.modes(laminated("clamped"), 10),
+        "corner-pinned laminate": lm.modes(laminated("pinned"), 10),
+    }
+    for name, found in modes.items():
+        yield from references.checks(name, found.frequencies)
     free, unit = square(12, held=False)
     yield from references.checks("free square", lm.modes(free, 9).frequencies[6:] / unit)
     held, unit = square(8, held=True)
     in_plane = 3  # the supports leave translations in the plane and the rotation about z
     yield from references.checks("simply supported square", lm.modes(held, 9).frequencies[in_plane:] / unit)
+    computed = {name: (range(1, 11), found.frequencies) for name, found in modes.items()}
+    linear = {f"{name}, 48 x 48": references.points(name) for name in modes}
+    yield Curves("Natural frequencies of the laminates", "Mode [–]", "Frequency [Hz]", computed, linear, joined=False)
+    for name, found in modes.items():
+        yield Shape(f"Modes of the {name}", found)

@@ -9,7 +9,7 @@ import numpy as np
 
 import lamella as lm
 from lamella.result import Result
-from lamella.verification import Check, References
+from lamella.verification import Check, Curves, Evidence, Orders, References
 
 slow = False
 
@@ -32,8 +32,8 @@ def panel(mesh: tuple[int, int] = (1, 1)) -> tuple[lm.System, lm.Plate]:
     return system, plate
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from _flux(references)
     yield from _film(references)
@@ -43,7 +43,7 @@ def run() -> Iterator[Check]:
     yield from _orders(references)
 
 
-def _flux(references: References) -> Iterator[Check]:
+def _flux(references: References) -> Iterator[Evidence]:
     """A flux into the top of a slab whose bottom is insulated."""
     system, plate = panel()
     system.add(lm.HeatFlux("lamp", plate, "top", FLUX))
@@ -54,9 +54,13 @@ def _flux(references: References) -> Iterator[Check]:
     yield references.check("T_N under flux", result["middle.T_N"].values[-1] * AREA_CAPACITY / (FLUX * result.at[-1]))
     yield from references.checks("T_M under flux, share of q / 2k", gradient / steady)
     yield from references.checks("T_M under flux beside the series, share of q / 2k", gradient / steady)
+    names = {"two equations": "T_M under flux, share of q / 2k", "series": "T_M under flux beside the series, share of q / 2k"}
+    curve = {"lamella": (result.at / RELAXATION, result["middle.T_M"].values / steady)}
+    points = {label: references.points(name) for label, name in names.items()}
+    yield Curves("Gradient under a flux into one side", "t / τ [–]", "T_M / (q / 2k) [–]", curve, points)
 
 
-def _film(references: References) -> Iterator[Check]:
+def _film(references: References) -> Iterator[Evidence]:
     """A film of Bi = h_c h / k = 0.2 warms the top of a slab; Fo = k t / (rho c h^2)."""
     system, plate = panel()
     system.add(lm.Film("air", plate, 0.2 * K / H, AMBIENT, sides="top"))
@@ -67,9 +71,13 @@ def _film(references: References) -> Iterator[Check]:
     left = 1.0 - (result["heat.mean"].values[at] - START) / (AMBIENT - START)
     yield from references.checks("mean by the two equations", left)
     yield from references.checks("mean beside the series", left)
+    names = {"two equations": "mean by the two equations", "series": "mean beside the series"}
+    curve = {"lamella": (result.at / unit, 1.0 - (result["heat.mean"].values - START) / (AMBIENT - START))}
+    points = {label: references.points(name) for label, name in names.items()}
+    yield Curves("Mean temperature beside a film, Bi = 0.2", "Fo [–]", "(T_air − T) / (T_air − T_0) [–]", curve, points)
 
 
-def _strip(references: References) -> Iterator[Check]:
+def _strip(references: References) -> Iterator[Evidence]:
     """Heat arises evenly in a strip whose ends are held cold: T = Q/2k (x (L - x) - series)."""
     found = []
     time = 0.1 * LENGTH**2 * RHO * C / K
@@ -84,6 +92,8 @@ def _strip(references: References) -> Iterator[Check]:
     for coarse, fine, name in ((0, 1, "4 and 8"), (1, 2, "8 and 16")):
         order = float(np.log2((found[coarse] - exact) / (found[fine] - exact)))
         yield references.check(f"order in the mesh, {name} elements", order)
+    errors = {"middle of the strip": (LENGTH / np.array([4, 8, 16]), np.abs(np.array(found) / exact - 1))}
+    yield Orders("A source in a strip with cold ends", "Element [m]", errors, (2,))
 
 
 def _space(references: References) -> Iterator[Check]:

@@ -8,12 +8,14 @@ import numpy as np
 
 import lamella as lm
 from lamella.state import State
-from lamella.verification import Check, References
+from lamella.verification import Evidence, Orders, References
 from lamella.verification.distance_joint.case import HEIGHT, RHO, ROD, THICKNESS, WIDTH, G
 
 slow = False
 
 TIGHT = lm.Newton(tolerance=1e-12)
+PER_SWING = (40, 80, 160)
+"""Steps in 0.8 of a period."""
 
 
 def linear_errors(rho: float) -> np.ndarray:
@@ -26,7 +28,7 @@ def linear_errors(rho: float) -> np.ndarray:
     omega, shape = 2 * np.pi * modes.frequencies[0], modes.displaced(0, 0.01) - modes.state
     start = State(0.0, modes.state + shape, 0.0 * shape, 0.0 * shape, np.zeros(0), np.zeros(0))
     end, errors = 0.8 * 2 * np.pi / omega, []
-    for n in (40, 80, 160):
+    for n in PER_SWING:
         options = lm.GeneralizedAlpha(dt=end / n, rho_inf=rho, newton=TIGHT)
         final = lm.simulate(system, end, options, initial=start).final
         of_q = np.abs(final.q - modes.state - shape * np.cos(omega * end)).max()
@@ -61,12 +63,18 @@ def constrained_errors(rho: float) -> np.ndarray:
     return np.array([[np.abs(x - y).max() for x, y in zip(final, finals[-1], strict=True)] for final in finals[:-1]])
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
+    series = {}
     for rho in (1.0, 0.9, 0.0):
         errors = linear_errors(rho)
         yield references.check(f"order of q and v, rho_inf = {rho:g}", np.log2(errors[0] / errors[2]) / 2)
+        series[f"rho_inf = {rho:g}"] = (0.8 / np.array(PER_SWING), errors)
+    yield Orders("A linear plate in its first mode", "Time step / period [–]", series, (2,), "Error [m]")
     errors = constrained_errors(0.8)
-    for place, name in enumerate(("positions", "velocities", "the multiplier")):
+    names = ("positions", "velocities", "the multiplier")
+    for place, name in enumerate(names):
         yield references.check(f"order of {name} with a rod", np.log2(errors[0, place] / errors[1, place]))
+    series = {name: ((5e-3, 2.5e-3), errors[:, place] / errors[0, place]) for place, name in enumerate(names)}
+    yield Orders("A plate on a rod (index 3)", "Time step [s]", series, (2,), "Error / error of the coarser step [–]")

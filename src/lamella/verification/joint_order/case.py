@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.result import Result
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Evidence, Orders, References
 
 slow = False
 
@@ -48,10 +48,11 @@ def solutions() -> list[Result]:
     return [lm.simulate(mechanism(), END, lm.GeneralizedAlpha(dt=END / n, rho_inf=0.8, newton=newton)) for n in STEPS]
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     results = solutions()
+    series = {}
     for name, values in (
         ("positions", [result.final.q for result in results]),
         ("velocities", [result.final.v for result in results]),
@@ -60,6 +61,8 @@ def run() -> Iterator[Check]:
         ("reaction torque of the elbow", [result["elbow.torque"].values[-1] for result in results]),
     ):
         yield references.check(f"order of {name}", _order(values))
+        series[name] = ([END / n for n in STEPS[:2]], [_error(value, values[2]) for value in values[:2]])
+    yield Orders("A mechanism with joints in space", "Time step [s]", series, (2,))
     yield references.check("relative error of the multipliers", _error(results[1].final.lam, results[2].final.lam))
 
 

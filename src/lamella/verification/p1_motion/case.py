@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 import lamella as lm
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = True
 
@@ -32,8 +32,8 @@ def crossings(t: np.ndarray, z: np.ndarray, level: float) -> np.ndarray:
     return t[k] + (level - z[k]) / (z[k + 1] - z[k]) * (t[k + 1] - t[k])
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     result = lm.simulate(cantilever(6, n_gauss=5), 2.0, lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9))
     t, z = result.at, result["C.position"].values[:, 2]
@@ -43,8 +43,16 @@ def run() -> Iterator[Check]:
     yield from references.checks("z_C", np.interp(references.at("z_C"), t, z))
 
     fine = lm.simulate(cantilever(12), 1.1, lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9))
+    curves = {"mesh 6 x 6": (t, z)}
     t, z = fine.at, fine["C.position"].values[:, 2]
     times = crossings(t, z, LEVEL)
     yield references.check("first peak", z[t < 0.7].min())
     yield from references.checks("crossing", times[:3])
     yield references.check("period", times[2] - times[0])
+    curves["mesh 12 x 12"] = (t, z)
+    points = {
+        "6 x 6, another code": references.points("z_C"),
+        "crossings, four codes": (references.value("crossing"), [LEVEL] * 3),
+    }
+    yield Curves("Deflection after a sudden force", "Time [s]", "z_C [m]", curves, points)
+    yield Shape("Mesh 12 x 12", fine, at=(0.2, 0.42, 1.1))

@@ -7,7 +7,7 @@ from typing import Literal
 
 import lamella as lm
 from lamella.result import Result
-from lamella.verification import Check, References
+from lamella.verification import Check, Curves, Evidence, References, Shape
 
 slow = False
 
@@ -15,12 +15,12 @@ PLY = lm.Lamina(E1=181e9, E2=103e9, G12=7.7e9, nu12=0.28, rho=1560)
 LAMINATE = lm.Laminate(PLY, angles=(0, 90, 0), thickness=1.5e-3)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from stiffness(references)
-    for n in (6, 12, 24):
-        result = loaded(n)
+    results = {n: loaded(n) for n in (6, 12, 24)}
+    for n, result in results.items():
         for force, factor in ((-10, 0.5), (-20, 1.0)):
             position = result.history("C.position").sel(load_factor=factor, method="nearest").values
             energy = float(result.history("energy.strain").sel(load_factor=factor, method="nearest"))
@@ -30,9 +30,21 @@ def run() -> Iterator[Check]:
                 yield references.check(f"strain energy at -10 N, mesh {n} x {n}", energy)
             if n == 24:
                 yield references.check(f"z_C at {force} N, converged", position[2])
-    linear = [float(loaded(n, strain="linear")["C.position"][2]) / 2 for n in (12, 24)]
+    flat = {n: loaded(n, strain="linear") for n in (12, 24)}
+    linear = [float(result["C.position"][2]) / 2 for result in flat.values()]
     yield references.check("z_C at -10 N, linear theory, mesh 24 x 24", linear[1])
     yield references.check("z_C at -10 N, linear theory, extrapolated", linear[1] + (linear[1] - linear[0]) / 3)
+    computed = {
+        label: ([0.0, *20 * result.history("C.position").load_factor.values], [0.0, *result.history("C.position").values[:, 2]])
+        for label, result in (("exact strains", results[24]), ("linear theory", flat[24]))
+    }
+    found = [references.value(f"z_C at {force} N, converged") for force in (-10, -20)]
+    points = {
+        "three tools": ([10.0, 20.0], found),
+        "linear theory": ([10.0], [references.value("z_C at -10 N, linear theory, extrapolated")]),
+    }
+    yield Curves("Deflection under the force", "Force [N]", "z_C [m]", computed, points)
+    yield Shape("Under -20 N, mesh 12 x 12", results[12])
 
 
 def loaded(n: int, strain: Literal["exact", "linear"] = "exact") -> Result:

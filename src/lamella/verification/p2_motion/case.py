@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import lamella as lm
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = True
 
@@ -24,8 +24,8 @@ def pinned(mesh: int, force: float = -2.0) -> lm.System:
     return system
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     result = lm.simulate(pinned(6), 1.0, lm.GeneralizedAlpha(dt=2.5e-4, rho_inf=0.9))
     t, z = result.at, result["C.position"].values[:, 2]
@@ -34,7 +34,13 @@ def run() -> Iterator[Check]:
     yield references.check("mean z_C", np.trapezoid(z, t) / t[-1])
     yield from references.checks("z_C", np.interp(references.at("z_C"), t, z))
 
+    curves = {"mesh 6 x 6": (t, z)}
     fine = lm.simulate(pinned(8), 0.2, lm.GeneralizedAlpha(dt=2.5e-4, rho_inf=0.9))
     t, z = fine.at, fine["C.position"].values[:, 2]
     yield references.check("first peak", z.min())
     yield references.check("time of the first peak", t[z.argmin()])
+    curves["mesh 8 x 8"] = (t, z)
+    peak = ([references.value("time of the first peak")], [references.value("first peak")])
+    points = {"6 x 6, another code": references.points("z_C"), "first peak, four codes": peak}
+    yield Curves("Deflection after a sudden force", "Time [s]", "z_C [m]", curves, points)
+    yield Shape("At 0.163 s, displacement × 50", fine, at=0.163, scale=50.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 import lamella as lm
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 
 slow = False
 
@@ -19,8 +19,8 @@ CORNERS = ("x-y-", "x+y-", "x+y+", "x-y+")
 MESHES = (6, 8, 12, 24)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     pinned = np.array([deflections(n, pinned=True) for n in MESHES])
     yield from references.checks("z_C at -2 N, corners pinned, mesh n x n", pinned[:, 0].tolist())
@@ -34,6 +34,10 @@ def run() -> Iterator[Check]:
         yield references.check(f"change from 12 to 24 over change from 6 to 12, {quantity}", change[1] / change[0])
     linear = deflections(24, pinned=True, strain="linear")
     yield references.check("z_C at -2 N, linear theory", linear[0])
+    names = {force: f"z_C at {force} N, corners pinned, mesh n x n" for force in (-2, -10)}
+    computed = {f"{force} N": (MESHES, pinned[:, place]) for place, force in enumerate(names)}
+    points = {f"{force} N, another code": references.points(name) for force, name in names.items()}
+    yield Curves("Corners pinned: no limit as the mesh is refined", "Elements along a side [–]", "z_C [m]", computed, points)
 
 
 def deflections(n: int, *, pinned: bool, strain: Literal["exact", "linear"] = "exact") -> Floats:

@@ -17,7 +17,7 @@ from lamella.math.gauss import gauss_rule
 from lamella.math.profile import Constant
 from lamella.result import Result
 from lamella.roles import Declaration, Floats
-from lamella.verification import Check, References
+from lamella.verification import Evidence, Orders, References, Shape
 
 slow = False
 
@@ -52,8 +52,8 @@ def _points(count: int, length: float, places: Floats, weights: Floats) -> tuple
     return ((np.arange(count)[:, None] + places) * length).reshape(-1), np.tile(weights, count) * length
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     for name, width in (("b = 3a", 3 * SIDE), ("b = a", SIDE)):
         computed, exact = normalised(loaded(width)), kirchhoff(width)
@@ -68,8 +68,13 @@ def run() -> Iterator[Check]:
         else:
             yield references.check("sigma_x, b = a, elasticity", computed[1])
     closed = kirchhoff(SIDE)[0]
-    errors = [normalised(loaded(SIDE, n))[0] - closed for n in (4, 8)]
+    meshes = {n: loaded(SIDE, n) for n in (4, 8)}
+    errors = [normalised(result)[0] - closed for result in meshes.values()]
     yield references.check("order of convergence of w", np.log2(errors[0] / errors[1]))
+    yield Orders(
+        "Deflection of the square plate", "Element [m]", {"w": ([SIDE / n for n in meshes], np.abs(errors) / closed)}, (4,)
+    )
+    yield Shape("Stress on top, displacement × 1e4", meshes[8], field="von_mises_top", scale=1e4)
 
 
 def loaded(width: float, n: int = 16) -> Result:

@@ -12,7 +12,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.math.rotation import matrix_from_vector
 from lamella.model import Model
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Check, Evidence, References, Shape
 
 slow = False
 
@@ -23,15 +23,15 @@ STRETCH = np.array([[1.1, 0.15], [0.0, 0.95], [0.0, 0.0]])
 CURVATURE = np.array([0.02, -0.03, 0.05])
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from stretched(references)
     yield from curved(references)
     yield from moved(references)
 
 
-def stretched(references: References) -> Iterator[Check]:
+def stretched(references: References) -> Iterator[Evidence]:
     """A plate in equilibrium with the edge forces of a uniform large stretch."""
     system = lm.System()
     section = lm.Laminate(PLY, angles=(0, 30, -70, 30, 0), thickness=5e-3)
@@ -46,6 +46,7 @@ def stretched(references: References) -> Iterator[Check]:
         for side, sign in zip(edges, (-1.0, 1.0), strict=True):
             system.add(lm.EdgeForce(f"pull {side}", lm.Edge(plate, side), tuple(sign * force)))
     result = lm.equilibrium(system, newton=lm.Newton(keep=0.0, line_search=True))
+    yield Shape("Uniform stretch by edge forces", result, field="membrane_strain.xx")
     sample = result.model.plates[0].sample(result.final.q)
     points = np.stack(np.meshgrid(sample.x, sample.y), axis=-1)
     yield references.check("uniform stretch by edge forces: positions", np.abs(sample.r - points @ STRETCH.T).max())
@@ -65,7 +66,8 @@ def curved(references: References) -> Iterator[Check]:
     kap = np.array([kx, ky, kxy])
     f, energy = internal(model, q.reshape(-1))
     exact = float(0.5 * kap @ LAMINATE.D @ kap) * SIZE[0] * SIZE[1]
-    yield Check("constant curvature: energy", energy, exact, 1e-9, source="exact: kap.D kap area / 2", unit="J")
+    source, why = "exact: kap.D kap area / 2", "rounding: the state lies in the element"
+    yield Check("constant curvature: energy", energy, exact, 1e-9, source=source, unit="J", reason=why)
     forces, inner = np.abs(f.reshape(-1, 4, 3)), np.arange(len(q)).reshape(MESH[1] + 1, MESH[0] + 1)[1:-1, 1:-1].reshape(-1)
     relative = [forces[inner, k].max() / forces[:, k].max() for k in range(4)]
     yield references.check("constant curvature: force on inner nodes, relative to the edge", max(relative))

@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.math.rotation import matrix_from_vector
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 from lamella.verification.mechanism import G, link, solved
 
 slow = False
@@ -18,8 +18,8 @@ INTEGRATOR = lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.9, newton=lm.Newton(toleranc
 END = 1.0
 
 
-def physical() -> tuple[Floats, Floats]:
-    """Angles computed and expected of an unsymmetric body that turns about a skew horizontal axis off its centre."""
+def physical() -> tuple[Floats, Floats, Floats]:
+    """Times, and angles computed and expected (n, 1) of an unsymmetric body that turns about a skew axis off its centre."""
     axis, tilt, arm = np.array((0.8, 0.6, 0.0)), 1.2, 0.4
     turn = matrix_from_vector(tilt * axis)
     inertia = {"mass": 2.5, "inertia": (0.10, 0.14, 0.17), "products": (0.01, -0.02, 0.015)}
@@ -31,11 +31,11 @@ def physical() -> tuple[Floats, Floats]:
     result = lm.simulate(system, END, INTEGRATOR)
     about_axis = axis @ body.inertia_matrix() @ axis + 2.5 * arm**2  # the turn is about the axis itself
     found = solved(lambda t, y: np.array([y[1], -2.5 * G * arm * np.sin(y[0]) / about_axis]), [tilt, 0.0], result.at)
-    return result["pin.angle"].values + tilt, found[0]
+    return result.at, result["pin.angle"].values[:, None] + tilt, found[:1].T
 
 
-def double() -> tuple[Floats, Floats]:
-    """Positions (x, z) computed and expected of the end of two links that hang on each other."""
+def double() -> tuple[Floats, Floats, Floats]:
+    """Times, and positions (x, z) computed and expected of the end of two links that hang on each other."""
     (l_1, m_1), (l_2, m_2), start = (0.5, 1.0), (0.7, 1.5), np.array((1.1, 2.0))
     elbow = l_1 * np.array((np.sin(start[0]), -np.cos(start[0])))
     tip = elbow + l_2 * np.array((np.sin(start[1]), -np.cos(start[1])))
@@ -63,11 +63,11 @@ def double() -> tuple[Floats, Floats]:
 
     angles = solved(rates, [*start, 0.0, 0.0], result.at)
     expected = np.stack([l_1 * np.sin(angles[0]) + l_2 * np.sin(angles[1]), -l_1 * np.cos(angles[0]) - l_2 * np.cos(angles[1])])
-    return result["lower end.position"].values[:, [0, 2]], expected.T
+    return result.at, result["lower end.position"].values[:, [0, 2]], expected.T
 
 
-def spherical() -> tuple[Floats, Floats]:
-    """Positions computed and expected of the centre of a symmetric body on a ball joint, thrown sideways.
+def spherical() -> tuple[Floats, Floats, Floats]:
+    """Times, and positions computed and expected of the centre of a symmetric body on a ball joint, thrown sideways.
 
     With the unit vector n from the joint to the centre of mass and no spin about n:
 
@@ -88,16 +88,19 @@ def spherical() -> tuple[Floats, Floats]:
         n, rate = y[:3], y[3:]
         return np.append(rate, -(rate @ rate) * n + (weight - (weight @ n) * n) / A)
 
-    return result["bob.position"].values, arm * solved(rates, [*n, *rate], result.at)[:3].T
+    return result.at, result["bob.position"].values, arm * solved(rates, [*n, *rate], result.at)[:3].T
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
-    for name, make in (
-        ("angle of the physical pendulum", physical),
-        ("end of the double pendulum", double),
-        ("centre of the spherical pendulum", spherical),
+    for name, make, parts, label in (
+        ("angle of the physical pendulum", physical, ("angle",), "Angle [rad]"),
+        ("end of the double pendulum", double, ("x", "z"), "Position [m]"),
+        ("centre of the spherical pendulum", spherical, ("x", "y", "z"), "Position [m]"),
     ):
-        found, expected = make()
+        t, found, expected = make()
         yield references.check(f"largest error of the {name}", np.abs(found - expected).max())
+        computed = {part: (t, values) for part, values in zip(parts, found.T, strict=True)}
+        exact = {f"{part}, equation": (t, values) for part, values in zip(parts, expected.T, strict=True)}
+        yield Curves(name.capitalize(), "Time [s]", label, computed, exact)

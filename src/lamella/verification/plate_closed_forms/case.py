@@ -11,8 +11,7 @@ from scipy.special import ellipk
 
 import lamella as lm
 from lamella.result import Result
-from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Check, Curves, Evidence, Orders, References, Shape
 
 slow = False
 
@@ -22,15 +21,15 @@ LENGTH, WIDTH = 0.4, 0.02
 PRECISE = lm.Newton(tolerance=1e-12, keep=0.0)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from supported_plate(references)
     yield from strips(references)
     yield from column(references)
 
 
-def supported_plate(references: References) -> Iterator[Check]:
+def supported_plate(references: References) -> Iterator[Evidence]:
     """Square plate, simply supported, uniform pressure: Navier's series, and the order of convergence."""
     exact_w, exact_energy = navier()
     errors = []
@@ -43,6 +42,8 @@ def supported_plate(references: References) -> Iterator[Check]:
     order = np.log2(np.array(errors[:-1]) / errors[1:])
     yield references.check("order of the deflection, 8 to 16 elements", order[1, 0])
     yield references.check("order of the energy, 8 to 16 elements", order[1, 1])
+    series = {name: (SIDE / np.array([4, 8, 16]), np.array(errors)[:, k]) for k, name in enumerate(("deflection", "energy"))}
+    yield Orders("Simply supported plate against Navier's series", "Element [m]", series, (4,))
     small = 1e-4
     exact_strain = -float(square_plate(8, small * PRESSURE, "exact")["centre.position"][2]) / small
     linear = -float(square_plate(8, PRESSURE, "linear")["centre.position"][2])
@@ -107,7 +108,7 @@ def clamped_strip(n: int) -> tuple[lm.System, lm.Plate]:
     return system, plate
 
 
-def column(references: References) -> Iterator[Check]:
+def column(references: References) -> Iterator[Evidence]:
     """The strip as a column: Euler's load from the vanishing of the lowest frequency, and the post-buckling path."""
     euler = np.pi**2 * E * WIDTH * H**3 / 12 / (4 * LENGTH**2)
     shares, squares = (0.98, 1.02), []
@@ -118,10 +119,18 @@ def column(references: References) -> Iterator[Check]:
     yield references.check("column: f^2 below the buckling load, over its size above", squares[0] / abs(squares[1]))
     root = shares[0] + (shares[1] - shares[0]) * squares[0] / (squares[0] - squares[1])
     yield references.check("column: load at which the lowest frequency vanishes, over Euler's load", root)
+    paths = {}
     for degrees in (60, 100):
-        position = buckled(load_over_euler(np.radians(degrees)) * euler) / LENGTH
+        path = buckled(load_over_euler(np.radians(degrees)) * euler)
+        position = path["tip.position"].values[-1] / LENGTH
         yield references.check(f"column buckled to {degrees} degrees: height of the tip over L", position[0])
         yield references.check(f"column buckled to {degrees} degrees: sideways over L", position[2])
+        factor, sideways = path["load_factor"].values, path["tip.position"].values[:, 2] / LENGTH
+        paths[f"to {degrees}°"] = (sideways, factor * load_over_euler(np.radians(degrees)))
+    ends = [references.value(f"column buckled to {degrees} degrees: sideways over L") for degrees in (60, 100)]
+    loads = [load_over_euler(np.radians(degrees)) for degrees in (60, 100)]
+    yield Curves("A column beyond buckling", "Sideways / L [–]", "Load / Euler's load [–]", paths, {"elastica": (ends, loads)})
+    yield Shape("Buckled to 100 degrees", path, view=(0.3, 1.0, -0.3))
 
 
 def compressed(load: float) -> Result:
@@ -131,12 +140,11 @@ def compressed(load: float) -> Result:
     return lm.equilibrium(system, newton=PRECISE)
 
 
-def buckled(load: float) -> Floats:
-    """Position of the tip [m] beyond buckling, at the end of the path of a column with 1e-4 of the load acting sideways."""
+def buckled(load: float) -> Result:
+    """Path of a column beyond buckling, with 1e-4 of the load acting sideways."""
     system, plate = clamped_strip(16)
     system.add(lm.EdgeForce("load", plate.edge("x+"), (-load / WIDTH, 0.0, 1e-4 * load / WIDTH)))
-    path = lm.equilibrium_path(system, until=1.0)
-    return path["tip.position"].values[-1]
+    return lm.equilibrium_path(system, until=1.0)
 
 
 def load_over_euler(angle: float) -> float:

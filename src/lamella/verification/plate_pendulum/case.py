@@ -9,7 +9,7 @@ import numpy as np
 
 import lamella as lm
 from lamella.result import Result
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 from lamella.verification.mechanism import G
 
 slow = False
@@ -43,8 +43,8 @@ def rigid_body(thickness: float) -> Result:
     return lm.simulate(system, END, lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.9, newton=lm.Newton(tolerance=1e-9)))
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     body, rigid = rigid_body(0.02), swinging("rigid", 210e9, 0.02)
     tips = [result["tip.position"].values for result in (body, rigid)]
@@ -60,3 +60,9 @@ def run() -> Iterator[Check]:
     yield references.check("energy gained by the flexible plate", balance.max() / work)
     away = np.abs(flexible["tip.position"].values - tips[0]).max() / SIZE[0]
     yield references.check("flexible plate away from rigid body, tip", away)
+    curves = {
+        "stiff plate": (stiff.at, stiff["tip.position"].values[:, 2]),
+        "flexible plate": (flexible.at, flexible["tip.position"].values[:, 2]),
+    }
+    yield Curves("Far corner of a plate let go", "Time [s]", "z [m]", curves, {"rigid body": (body.at, tips[0][:, 2])})
+    yield Shape("The flexible plate", flexible, at=(0.1, 0.2, 0.3, 0.4))

@@ -8,7 +8,7 @@ import numpy as np
 
 import lamella as lm
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 from lamella.verification.mechanism import G, link, one_degree_of_freedom, solved
 
 slow = False
@@ -64,9 +64,10 @@ def expected(moment: float, times: Floats) -> Floats:
     return solved(one_degree_of_freedom(inertia, along, force), [START, rod_angle(START), 0.0], times)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
+    computed, exact = {}, {}
     for name, moment in (("under its weight", 0.0), ("driven", 2.0)):
         integrator = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9, newton=lm.Newton(tolerance=1e-10))
         result = lm.simulate(slider_crank(moment), END, integrator)
@@ -75,3 +76,6 @@ def run() -> Iterator[Check]:
         yield references.check(f"crank angle, {name}", np.abs(START - result["pin.angle"].values - crank).max())
         yield references.check(f"place of the slider, {name}", np.abs(result["slider.position"].values[:, 0] - place).max())
         yield references.check(f"turned, {name}", float(np.ptp(crank)))
+        computed[name] = (result.at, START - result["pin.angle"].values)
+        exact[f"{name}, equation"] = (result.at, crank)
+    yield Curves("Crank angle", "Time [s]", "Angle [rad]", computed, exact)

@@ -10,7 +10,7 @@ import lamella as lm
 from lamella.examples import example
 from lamella.io.model_file import read_model
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 from lamella.verification.zigzag import driving_force
 
 slow = True
@@ -24,8 +24,8 @@ LAYUPS = {
 }
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     for name, angles in LAYUPS.items():
         model = read_model(example("solar-array").model, [f"laminates.panel.angles={angles}"])
@@ -45,5 +45,10 @@ def run() -> Iterator[Check]:
             yield references.check(f"{name}, {phase}: spread of the y force", y1[part].std())
             yield references.check(f"{name}, {phase}: largest sum of the y forces", np.abs(y1 + y2)[part].max())
             yield references.check(f"{name}, {phase}: mean z force", z[part].mean())
+        computed = {"driving force": (SAMPLES, drive), "y force at one hinge": (SAMPLES, y1)}
+        yield Curves(
+            f"Forces, {name} layup", "Time [s]", "Force [N]", computed, {"drive, rigid": (SAMPLES, driving_force(SAMPLES))}
+        )
+        yield Shape(f"The {name} layup at 1 s, 2.5 s and 4 s", result, at=(1.0, 2.5, 4.0), field="curvature.xx")
         work = np.abs(result["work.supports"].values).max()
         yield references.check("energy damped over the work", np.abs(result["energy.balance"].values[-1]) / work)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import lamella as lm
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = True
 
@@ -32,8 +32,8 @@ def beam() -> lm.System:
     return system
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     result = lm.simulate(beam(), 20.0, lm.GeneralizedAlpha(dt=1e-2, rho_inf=0.8))
     t, tip, angle = result.at, result["tip.position"].values, result["pin.angle"].values
@@ -43,3 +43,7 @@ def run() -> Iterator[Check]:
     yield references.check("steady extension of the tip", along[steady].mean())
     yield references.check("mean deflection after the ramp", across[steady].mean())
     yield references.check("angle at the end", angle[-1])
+    yield Curves("Deflection of the tip across the beam", "Time [s]", "Deflection [m]", {"lamella": (t, across)})
+    steady_state = {"steady, Simo and Vu-Quoc": ([t[-1]], [references.value("steady extension of the tip")])}
+    yield Curves("Extension of the beam", "Time [s]", "Tip along the beam [m]", {"lamella": (t, along)}, steady_state)
+    yield Shape("At 3 s, 6 s, 9 s and 16 s", result, at=(3.0, 6.0, 9.0, 16.0), view=(0.3, 1.0, -0.3))

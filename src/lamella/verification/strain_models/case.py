@@ -12,7 +12,7 @@ import lamella as lm
 from lamella.element.plate48.block import STRAIN_MODELS
 from lamella.math.rotation import matrix_from_vector
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Check, Evidence, Orders, References
 
 slow = False
 
@@ -26,22 +26,23 @@ D = MODULUS * THICKNESS**3 / 12
 """Section of strips of 1 m length, and its bending stiffness [N m]."""
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from small_loads(references)
     yield from rigid_rotation(references)
     yield from large_bending(references)
 
 
-def small_loads(references: References) -> Iterator[Check]:
+def small_loads(references: References) -> Iterator[Evidence]:
     """All models agree as the load vanishes, in a known order."""
     for section, (angles, largest) in SECTIONS.items():
         forces = (largest, largest / 2, largest / 4)
-        exact = np.array([corner(angles, force, "exact") for force in forces])
+        exact, gaps = np.array([corner(angles, force, "exact") for force in forces]), {}
         for name in sorted(set(STRAIN_MODELS) - {"exact"}):
             small = np.array([corner(angles, force, name) for force in forces])
             gap = np.abs(exact - small)
+            gaps[name] = (np.abs(forces), gap[:, 2] / np.abs(exact[:, 2]))
             frame = "" if name == "linear" else ", moving frames"
             difference = gap[2, 2] / abs(exact[2, 2])
             check = references.check(f"{section}: difference of z relative to z, smallest load{frame}", difference)
@@ -51,6 +52,7 @@ def small_loads(references: References) -> Iterator[Check]:
             if name == "linear":
                 bent = small[0] - 2 * small[1]
                 yield references.check(f"{section}: linear model, proportional to the load", np.abs(bent / small[0, 2]).max())
+        yield Orders(f"Models against exact strains, {section}", "Force [N]", gaps, y_label="Relative difference of z [–]")
 
 
 def corner(angles: tuple[int, ...], force: float, strain: str) -> Floats:
@@ -81,7 +83,7 @@ def rigid_rotation(references: References) -> Iterator[Check]:
         yield replace(check, quantity=f"{check.quantity}, strain = {strain}")
 
 
-def large_bending(references: References) -> Iterator[Check]:
+def large_bending(references: References) -> Iterator[Evidence]:
     """Frames of elements follow large bending on finer meshes; one frame for the body does not see a strip being stretched."""
     exact = cantilever(32, "exact")
     tips = {n: cantilever(n, "corotational") for n in (8, 16, 32)}
@@ -90,6 +92,8 @@ def large_bending(references: References) -> Iterator[Check]:
     yield references.check("large bending: shortening, strain = corotational", 1.0 - tips[32][0])
     yield references.check("large bending: order of the corotational model, 8 to 16 elements", np.log2(gaps[8] / gaps[16]))
     yield references.check("large bending: order of the corotational model, 16 to 32 elements", np.log2(gaps[16] / gaps[32]))
+    error = {"tip": ([1 / n for n in gaps], list(gaps.values()))}
+    yield Orders("Large bending, frames of elements", "Element [m]", error, y_label="Error [m]")
     linear = spanning(8, "linear")
     yield references.check("both ends clamped: floating model by the linear one", spanning(8, "floating") / linear)
     stiffened = spanning(32, "exact") / linear

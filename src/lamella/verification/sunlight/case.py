@@ -10,7 +10,7 @@ import numpy as np
 import lamella as lm
 from lamella.result import Result
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Check, Curves, Evidence, References, Shape
 
 slow = False
 
@@ -21,8 +21,8 @@ TURN = 0.05
 TOP, BOTTOM = 0.7, 0.2
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from _turning(references)
     yield from _eclipse(references)
@@ -43,7 +43,7 @@ def turning(absorptivity: float | tuple[float, float], n: int = 32, **options: A
     return _solved(system, 2 * np.pi / TURN, n)
 
 
-def _turning(references: References) -> Iterator[Check]:
+def _turning(references: References) -> Iterator[Evidence]:
     """Each side in its turn, and the gradient's answer to cos(omega t)."""
     result = turning(0.7, 120)
     angle = TURN * result.at
@@ -51,11 +51,17 @@ def _turning(references: References) -> Iterator[Check]:
     lag = 1 + (TURN * tau) ** 2
     exact = (np.cos(angle) + TURN * tau * np.sin(angle) - np.exp(-result.at / tau)) / lag
     yield references.check("view of the turning plate", _largest(result["sun.view"].values - np.cos(angle)))
-    yield references.check("T_M of the turning plate", _largest(result["root.T_M"].values * 2 * K / (0.7 * SUN) - exact))
+    gradient = result["root.T_M"].values * 2 * K / (0.7 * SUN)
+    yield references.check("T_M of the turning plate", _largest(gradient - exact))
+    computed = {"view": (angle, result["sun.view"].values), "T_M": (angle, gradient)}
+    closed = {"cos(ωt)": (angle, np.cos(angle)), "answer of T_M": (angle, exact)}
+    yield Curves("A plate that turns in the light", "ω t [rad]", "View, T_M / (α S / 2k) [–]", computed, closed)
     sides = turning((TOP, BOTTOM))
     cosine = np.cos(TURN * sides.at)
     absorbed = np.where(cosine > 0, TOP * cosine, -BOTTOM * cosine)
     found = sides["sun.heat"].values / (SUN * SIZE[0] * SIZE[1])
+    shares = {"lamella": (TURN * sides.at, found)}, {"each side by itself": (TURN * sides.at, absorbed)}
+    yield Curves("Heat that a top of 0.7 and a bottom of 0.2 absorb", "ω t [rad]", "Share of the light [–]", *shares)
     yield references.check("heat that each side absorbs in its turn", _largest(found - absorbed))
     fixed = turning(0.7, model="uncoupled")
     yield references.check("view in the uncoupled model", _largest(fixed["sun.view"].values - 1.0))
@@ -63,7 +69,7 @@ def _turning(references: References) -> Iterator[Check]:
     yield references.check("view of light that turns", _largest(still["sun.view"].values - np.cos(TURN * still.at)))
 
 
-def _eclipse(references: References) -> Iterator[Check]:
+def _eclipse(references: References) -> Iterator[Evidence]:
     """The light is cut off between 30 s and 70 s: the gradient relaxes, the mean temperature waits."""
     shadow = lm.Table(times=(0.0, 29.0, 30.0, 70.0, 71.0, 100.0), values=(1.0, 1.0, 0.0, 0.0, 1.0, 1.0))
     system = lm.System()
@@ -74,13 +80,18 @@ def _eclipse(references: References) -> Iterator[Check]:
     at, gradient, mean = result.at, result["root.T_M"].values, result["root.T_N"].values
     begin, end = np.searchsorted(at, (30.0 - 1e-6, 70.0 - 1e-6))
     dark = slice(begin, end + 1)
+    shares = {
+        "T_N ρ c h / (α S) [s]": (at, mean * RHO * C * H / (0.7 * SUN)),
+        "20 T_M / (α S / 2k) [–]": (at, 20 * gradient * 2 * K / (0.7 * SUN)),
+    }
+    yield Curves("An eclipse from 30 s to 70 s", "Time [s]", "Scaled temperature", shares)
     yield references.check("heat in the shadow", _largest(result["sun.heat"].values[dark]))
     yield references.check("T_N gained in the shadow", float(mean[end] - mean[begin]))
     yield references.check("T_M after 40 s of shadow, share", float(gradient[end] / gradient[begin]))
     yield references.check("T_N gained in all", mean[-1] * RHO * C * H / (0.7 * SUN))
 
 
-def _bent(references: References) -> Iterator[Check]:
+def _bent(references: References) -> Iterator[Evidence]:
     """A strip that a gradient bends to a quarter of a circle: the mean of cos over the angle."""
     system = lm.System()
     strip = _plate(system, "exact")
@@ -90,6 +101,7 @@ def _bent(references: References) -> Iterator[Check]:
         system.add(lm.SolarFlux(model, strip, (0, 0, -1.0), 1.0, SUN, model=model))
     result = lm.equilibrium(system, steps=10)
     yield references.check("view of a quarter of a circle", float(result["coupled.view"]))
+    yield Shape("Bent by a gradient, light from above", result, view=(0.3, 1.0, -0.3))
     yield references.check("view of its flat reference", float(result["uncoupled.view"]))
 
 

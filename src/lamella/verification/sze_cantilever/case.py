@@ -9,8 +9,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root_scalar
 
 import lamella as lm
+from lamella.result import Result
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = False
 
@@ -18,11 +19,12 @@ LENGTH, WIDTH, THICKNESS, MODULUS, FORCE = 10.0, 1.0, 0.1, 1.2e6, 4.0
 BENDING_STIFFNESS = MODULUS * WIDTH * THICKNESS**3 / 12
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     factors = references.at("W, published")
-    path = tip_path(16, factors)
+    result = loaded(16, factors)
+    path = tip_path(result, factors)
     yield from references.checks("-U, published", (-path[:, 0]).tolist())
     yield from references.checks("W, published", path[:, 1].tolist())
     exact = np.array([elastica(factor * FORCE) for factor in factors])
@@ -31,21 +33,30 @@ def run() -> Iterator[Check]:
     yield references.check("W, mesh 16 x 1: largest distance to the elastica over the path", worst[1])
     yield references.check("-U at full load, mesh 16 x 1", -path[-1, 0])
     yield references.check("W at full load, mesh 16 x 1", path[-1, 1])
-    fine = tip_path(64, [0.5, 1.0])[-1]
+    fine = tip_path(loaded(64, [0.5, 1.0]), [1.0])[-1]
     yield references.check("-U at full load, mesh 64 x 1", -fine[0])
     yield references.check("W at full load, mesh 64 x 1", fine[1])
+    computed = {"−U": ([0.0, *factors], [0.0, *-path[:, 0]]), "W": ([0.0, *factors], [0.0, *path[:, 1]])}
+    published = {f"{name}, Sze et al.": references.points(f"{name.replace('−', '-')}, published") for name in computed}
+    elastic = {"−U, elastica": (factors, -exact[:, 0]), "W, elastica": (factors, exact[:, 1])}
+    yield Curves("Displacement of the tip", "Load factor [–]", "Displacement [m]", computed, published | elastic)
+    yield Shape("At 20 % and 100 % of the load", result, at=(0.2, 1.0), view=(0.3, 1.0, -0.3))
 
 
-def tip_path(n_elements: int, factors: Sequence[float]) -> Floats:
-    """Displacements (U, W) of the tip [m] at each load factor, shape (n, 2)."""
+def loaded(n_elements: int, factors: Sequence[float]) -> Result:
+    """Equilibria of the strip at each load factor."""
     system = lm.System()
     strip = lm.Laminate(lm.Isotropic(E=MODULUS, nu=0.0, rho=1.0), thickness=THICKNESS)
     plate = system.add(lm.Plate("strip", (LENGTH, WIDTH), (n_elements, 1), strip))
     plate.marker("tip", LENGTH, WIDTH / 2)
     system.add(lm.Clamp("root", plate.edge("x-")))
     system.add(lm.EdgeForce("shear", plate.edge("x+"), (0.0, 0.0, FORCE / WIDTH)))
-    history = lm.equilibrium(system, steps=list(factors)).history("tip.position")
-    tip = history.sel(load_factor=list(factors), method="nearest").values
+    return lm.equilibrium(system, steps=list(factors))
+
+
+def tip_path(result: Result, factors: Sequence[float]) -> Floats:
+    """Displacements (U, W) of the tip [m] at each load factor, shape (n, 2)."""
+    tip = result.history("tip.position").sel(load_factor=list(factors), method="nearest").values
     return tip[:, [0, 2]] - [LENGTH, 0.0]
 
 

@@ -13,7 +13,7 @@ from lamella.assembly.point import STATIC
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.solve.linear import linear_solver
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = False
 
@@ -22,8 +22,8 @@ FULL_CIRCLE = 50 * np.pi / 3
 A, D = MODULUS * THICKNESS, MODULUS * THICKNESS**3 / 12
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     factors = np.array(references.at("u, mesh 16 x 1"))
     coarse = rolled(16, follower=True)
@@ -37,6 +37,10 @@ def run() -> Iterator[Check]:
     yield references.check("mesh 64 x 1 against the extensible circle", np.abs(tip(fine, factors) - model).max())
     yield references.check("membrane strain at full load", membrane_strain(fine))
     yield references.check("order of Newton's iteration", newton_order(coarse))
+    computed = {"u": ([0.0, *factors], [0.0, *path[:, 0]]), "w": ([0.0, *factors], [0.0, *path[:, 1]])}
+    circle = {f"{name}, circle": references.points(f"{name}, mesh 16 x 1") for name in computed}
+    yield Curves("Displacement of the tip", "Moment / moment of a full circle [–]", "Displacement [m]", computed, circle)
+    yield Shape("At 20, 50 and 100 % of the moment", coarse, at=(0.2, 0.5, 1.0), view=(0.3, 1.0, -0.3))
 
 
 def rolled(n_elements: int, *, follower: bool) -> Result:

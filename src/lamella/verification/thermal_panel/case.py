@@ -10,7 +10,7 @@ import lamella as lm
 from lamella.joint.clamped_edge import Clamping
 from lamella.result import Result
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References, Shape
 
 slow = False
 
@@ -32,12 +32,16 @@ def panel(kind: Clamping, mesh: tuple[int, int], damping: float = 0.0) -> tuple[
     return system, plate
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
+    computed, published = {}, {}
     for kind in ("restrained", "sliding"):
         name = f"corner of the panel, {kind}, T_N"
-        yield from references.checks(name, deflections(kind, references.at(name)))
+        found = deflections(kind, references.at(name))
+        yield from references.checks(name, found)
+        computed[kind], published[f"{kind}, another code"] = (references.at(name), found), references.points(name)
+    yield Curves("Corner of the panel at T_M = 150 K/m", "T_N [K]", "z [m]", computed, published)
     cold, hot = deflections("sliding", (0.0, 400.0))
     yield references.check("sliding clamp, change of deflection by T_N = 400, share", hot / cold - 1)
     yield references.check("full clamp, deflection at T_N = 20 beside the sliding one", deflections("full", (20.0,))[0] / cold)
@@ -62,10 +66,13 @@ def in_the_sun(n: int) -> Result:
     return lm.simulate(system, END, lm.GeneralizedAlpha(dt=END / n, rho_inf=0.8, newton=lm.Newton(tolerance=1e-11)))
 
 
-def _order(references: References) -> Iterator[Check]:
+def _order(references: References) -> Iterator[Evidence]:
     results = [in_the_sun(n) for n in STEPS]
     for name, signal in (("deflection", "corner.position"), ("T_N", "middle.T_N"), ("T_M", "middle.T_M")):
         coarse, fine, finest = (np.atleast_1d(result[signal].values[-1])[-1] for result in results)
         yield references.check(f"order in time of the {name}", float(np.log2(abs(coarse - fine) / abs(fine - finest))))
     view = float(results[-1]["sun.view"].values[-1])
+    curves = {"corner": (results[-1].at, results[-1]["corner.position"].values[:, 2])}
+    yield Curves("The panel bends as the sun rises", "Time [s]", "z [m]", curves)
+    yield Shape("At 1 s, 2 s and 4 s", results[-1], at=(1.0, 2.0, 4.0), field="T_M")
     yield references.check("change of view as the panel bends", abs(view / np.cos(np.radians(65)) - 1))

@@ -9,7 +9,7 @@ import numpy as np
 import lamella as lm
 from lamella.result import Result
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Check, Evidence, References, Shape
 
 slow = False
 
@@ -24,8 +24,8 @@ def sheet(nu: float = 0.3, E: float = 70e9, alpha: float = ALPHA) -> lm.Isotropi
     return lm.Isotropic(E=E, nu=nu, rho=2700.0, alpha=alpha, **DATA)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     yield from _growth(references)
     yield from _curvature(references)
@@ -60,7 +60,7 @@ def _curvature(references: References) -> Iterator[Check]:
         yield references.check(f"{label} for T_M = 1", middle[component] / ALPHA)
 
 
-def _curl(references: References) -> Iterator[Check]:
+def _curl(references: References) -> Iterator[Evidence]:
     """A strip that grows along itself only rolls up to a quarter of a circle: alpha T_M L = pi / 2."""
     ply = lm.Lamina(E1=70e9, E2=70e9, G12=35e9, nu12=0.0, rho=2700.0, alpha1=ALPHA, k1=10.0, k2=10.0, c=500.0)
     system = lm.System()
@@ -68,7 +68,9 @@ def _curl(references: References) -> Iterator[Check]:
     strip.marker("tip", 1.0, 0.05)
     system.add(lm.Clamp("root", strip.edge("x-"), kind="restrained"))
     _warm(system, strip, 0.0, 0.5 * np.pi / ALPHA)
-    tip = lm.equilibrium(system, newton=NEWTON, steps=10)["tip.position"].values
+    result = lm.equilibrium(system, newton=NEWTON, steps=10)
+    tip = result["tip.position"].values
+    yield Shape("A gradient rolls a strip up to a quarter of a circle", result, view=(0.3, 1.0, -0.3))
     yield references.check("x of the tip of the quarter circle", tip[0])
     yield references.check("z of the tip of the quarter circle", tip[2])
 
@@ -82,11 +84,14 @@ def _bimetal(references: References) -> Iterator[Check]:
         yield references.check(f"curvature of the bimetal, nu = {nu:g}", middle[3] / SMALL)
 
 
-def _laminates(references: References) -> Iterator[Check]:
+def _laminates(references: References) -> Iterator[Evidence]:
     """Two plies crosswise bend; four that are symmetric do not."""
     ply = lm.Lamina(E1=181e9, E2=10.3e9, G12=7.17e9, nu12=0.28, rho=1600.0, alpha1=2e-8, alpha2=2.25e-5, k1=5.0, k2=0.7, c=900.0)
     for angles, name in (((0.0, 90.0), "[0/90]"), ((0.0, 90.0, 90.0, 0.0), "[0/90/90/0]")):
-        middle = _middle(_free(lm.Laminate(ply, angles=angles, thickness=1e-3), SMALL, 0.0))
+        warm = _free(lm.Laminate(ply, angles=angles, thickness=1e-3), SMALL, 0.0)
+        middle = _middle(warm)
+        if name == "[0/90]":
+            yield Shape("[0/90] warmed by 1e-4 K, displacement × 1e5", warm, field="displacement.z", scale=1e5)
         for label, component in (("eps_x", 0), ("kap_x", 3), ("kap_y", 4)):
             yield references.check(f"{label} of {name}", middle[component] / SMALL)
 

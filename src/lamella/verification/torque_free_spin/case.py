@@ -8,7 +8,7 @@ import numpy as np
 
 import lamella as lm
 from lamella.roles import Floats
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 
 slow = False
 
@@ -31,15 +31,16 @@ def exact(t: Floats) -> Floats:
     return np.stack([a_1 * cn, np.sqrt(over / (I[1] * (I[2] - I[1]))) * sn, a_3 * dn], axis=1)
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     start = exact(np.zeros(1))[0]
-    errors, omega = [], np.zeros((1, 3))
+    errors, times, omega = [], np.zeros(1), np.zeros((1, 3))
     for dt in STEPS:
         system = lm.System()
         system.add(lm.RigidBody("body", mass=1.0, inertia=tuple(I), angular_velocity=tuple(start)))
         result = lm.simulate(system, END, lm.GeneralizedAlpha(dt=dt, rho_inf=0.9, newton=lm.Newton(tolerance=1e-10)))
+        times = result.at
         R = result["body.rotation"].values.reshape(-1, 3, 3)
         omega = np.einsum("tji,tj->ti", R, result["body.angular_velocity"].values)
         momentum = np.einsum("tij,tj->ti", R, I * omega)
@@ -53,4 +54,8 @@ def run() -> Iterator[Check]:
         yield references.check(f"largest error of the {name}", value)
     for name, before, after in zip(names[:2], coarse, fine, strict=False):
         yield references.check(f"order of the {name}", np.log2(before / after))
+    names = ("ω₁", "ω₂", "ω₃")
+    computed = {name: (times, values) for name, values in zip(names, omega.T, strict=True)}
+    functions = {f"{name}, Jacobi": (times, values) for name, values in zip(names, exact(times).T, strict=True)}
+    yield Curves("Angular velocity in the body's axes", "Time [s]", "Angular velocity [rad/s]", computed, functions)
     yield references.check("turns over", float(np.ptp(omega[:, 1])) / (2 * np.abs(omega[:, 1]).max()))

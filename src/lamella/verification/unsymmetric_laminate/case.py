@@ -8,7 +8,7 @@ from typing import Literal
 
 import lamella as lm
 from lamella.body.mesh import PlateSample
-from lamella.verification import Check, References
+from lamella.verification import Curves, Evidence, References
 
 slow = False
 
@@ -19,8 +19,8 @@ PULL, MOMENT = 0.01, 1e-4
 """Edge force [N/m], whose moment over the arch it makes is N L^2 / (8 D) = 5e-6 of the coupling, and edge moment [N]."""
 
 
-def run() -> Iterator[Check]:
-    """Yield the checks of this case."""
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     for name, value in (
         ("A11", LAMINATE.A[0, 0]),
@@ -29,6 +29,7 @@ def run() -> Iterator[Check]:
         ("D11", LAMINATE.D[0, 0]),
     ):
         yield references.check(name, value)
+    arches, arc = {}, {}
     models: tuple[Literal["exact", "linear"], ...] = ("exact", "linear")
     for strain in models:
         pulled, bent = loaded(strain, pull=PULL), loaded(strain, moment=MOMENT)
@@ -39,8 +40,13 @@ def run() -> Iterator[Check]:
                 yield replace(check, quantity=f"{check.quantity}, strain = {strain}")
         z = pulled.r[len(pulled.y) // 2, :, 2]
         rise = z[len(z) // 2] - 0.5 * (z[0] + z[-1])
+        arches[f"strain = {strain}"] = (pulled.x, z - 0.5 * (z[0] + z[-1]))
+        height = references.value("rise of the middle over the ends under pull")
+        arc["arc of the reference"] = (pulled.x, height * (1.0 - (2.0 * pulled.x / SIZE[0] - 1.0) ** 2))
         check = references.check("rise of the middle over the ends under pull", rise)
         yield replace(check, quantity=f"{check.quantity}, strain = {strain}")
+
+    yield Curves("Arch of a plate that is pulled, along its middle", "x [m]", "Height over the ends [m]", arches, arc)
 
 
 def loaded(strain: Literal["exact", "linear"], pull: float = 0.0, moment: float = 0.0) -> PlateSample:
