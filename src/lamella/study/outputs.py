@@ -149,11 +149,23 @@ def write_run_report(result: Result, path: Path, model_file: ModelFile, drawn: S
     return write_report(
         path,
         model_file.title or "Run",
-        [*([shown] if drawn else []), system_section(model_file, result.model)],
+        [*([shown] if drawn else []), *critical_sections(result), system_section(model_file, result.model)],
         summary=model_file.description,
         model_text=model_file.text(),
         results={path.parent.name: result},
     )
+
+
+def critical_sections(result: Result) -> list[Section]:
+    """What a report says about critical points: nothing, or a table of them."""
+    from lamella.viz.report import Section, Table
+
+    rows = [
+        [number, point.kind, point.factor, point.at, *point.negative] for number, point in enumerate(result.critical_points, 1)
+    ]
+    columns = ["Number", "Kind", "Load factor", f"At {result.axis.replace('_', ' ')}"]
+    columns += ["Negative eigenvalues before", "behind"]
+    return [Section("Critical points", tables=[Table(columns, rows)])] if rows else []
 
 
 def system_section(model_file: ModelFile, model: Model) -> Section:

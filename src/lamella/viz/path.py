@@ -9,7 +9,7 @@ import numpy as np
 
 from lamella.errors import DeclarationError
 from lamella.viz.plots import AXIS_LABEL, LOAD_FACTOR, POSITION, SMALLEST_SPAN, columns_of, note_outcome, signal_of
-from lamella.viz.style import COLOURS, COMPONENT_COLOURS, new_figure, styled
+from lamella.viz.style import COLOURS, COMPONENT_COLOURS, INK, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,9 +17,14 @@ if TYPE_CHECKING:
 
     from lamella.result import Result
 
+MARKERS = {"limit point": "o", "bifurcation": "D"}
+"""Signs of the kinds of critical points."""
+
 
 def plot_path(result: Result, names: Sequence[str] | None = None, *, title: str = "") -> Figure:
     """Load-displacement curves: the load factor over the displacement of each position; a row for each, a column a component.
+
+    Critical points are marked.
 
     Args:
         result: of a static solution.
@@ -44,6 +49,8 @@ def plot_path(result: Result, names: Sequence[str] | None = None, *, title: str 
             _draw_row(axes, result, name)
             for axis in axes if row == len(names) - 1 else ():
                 axis.set_xlabel("Displacement [m]")
+            if row == 0 and result.critical_points:
+                axes[-1].legend(loc="best")
         note_outcome(figure, [result])
     return figure
 
@@ -54,6 +61,11 @@ def _draw_row(axes: Sequence[Axes], result: Result, name: str) -> None:
     smallest = SMALLEST_SPAN * max(float(np.ptp(values)) for values in moved.values())
     for number, (axis, (component, values)) in enumerate(zip(axes, moved.items(), strict=True)):
         axis.plot(values, factors, ".-", color=COMPONENT_COLOURS.get(component, COLOURS[0]), markersize=3.5)
+        for kind, sign in MARKERS.items():
+            found = [point for point in result.critical_points if point.kind == kind]
+            if found:
+                at = np.interp([point.at for point in found], result.at, values)
+                axis.plot(at, [point.factor for point in found], sign, color=INK, fillstyle="none", label=f"{kind}s")
         if np.ptp(values) < smallest:  # rounding errors are not blown up to the width of the axes
             middle = 0.5 * float(values.min() + values.max())
             axis.set_xlim(middle - smallest, middle + smallest)
