@@ -58,7 +58,7 @@ HELD = {
     "closed rope": lambda: rope(closed=True),
     "winch": lambda: rope(
         lambda s: lm.Cable(
-            "winch", (lm.Ground().marker("top", 0, 0, 3), s.bodies[0].origin), change=lm.SmoothStep(0, 0.4, end=-0.2)
+            "winch", (lm.Ground().marker("top", 0, 0, 3), s.bodies[0].origin), change=lm.SmoothStep(0, t_end=0.4, end=-0.2)
         )
     ),
     "sliders": sliders,

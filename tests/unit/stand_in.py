@@ -27,6 +27,7 @@ class QuadraticPlate:
     """Nine points, shape (3, 3), numbered x fastest, interpolated by Lagrange polynomials of degree 2 in each direction."""
 
     temperature = None
+    loops = (False, False)
 
     nx, ny = 4, 4
 

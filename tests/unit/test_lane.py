@@ -100,7 +100,7 @@ from lamella._jit import announced
 from lamella.element.plate48.kernels import energy
 said = []
 with announced(said.append):
-    energy(np.zeros(1), np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0), 4, np.zeros(0), np.zeros(0))
+    energy(np.zeros(1), np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0), 4, None, np.zeros(0), np.zeros(0))
 print(len(said))
 """
 

@@ -45,14 +45,18 @@ def edge_axes(mesh: PlateMesh, edge: Edge, initial: Floats) -> dict[int, EdgeAxe
     """
     nodes = [int(node) for node in mesh.edge_nodes(edge.side)]
     along, across = mesh.edge_slope(edge.side)
-    r, r_s, r_t, r_st = (initial[[mesh.vector(node, name) for node in nodes]] for name in ("r", along, across, "r_xy"))
+    r, r_s, r_t = (initial[[mesh.vector(node, name) for node in nodes]] for name in ("r", along, across))
+    has_twist = "r_xy" in mesh.element.vector_names  # without it no row of a joint asks for the change of the normal
+    r_st = initial[[mesh.vector(node, "r_xy") for node in nodes]] if has_twist else np.zeros_like(r)
     length = mesh.lx if along == "r_x" else mesh.ly
     sides: dict[int, list[Floats]] = {}
-    for k, chord in enumerate(np.diff(r, axis=0)):
-        at_start = 6 * chord / length**2 - (4 * r_s[k] + 2 * r_s[k + 1]) / length
-        at_end = -6 * chord / length**2 + (2 * r_s[k] + 4 * r_s[k + 1]) / length
+    following = range(1, len(nodes) + mesh.loops[0 if along == "r_x" else 1])  # a closed edge goes on at its first node
+    for k, end in enumerate(node % len(nodes) for node in following):
+        chord = r[end] - r[k]
+        at_start = 6 * chord / length**2 - (4 * r_s[k] + 2 * r_s[end]) / length
+        at_end = -6 * chord / length**2 + (2 * r_s[k] + 4 * r_s[end]) / length
         sides.setdefault(nodes[k], []).append(at_start)
-        sides.setdefault(nodes[k + 1], []).append(at_end)
+        sides.setdefault(nodes[end], []).append(at_end)
     r_ss = np.array([np.mean(sides[node], axis=0) for node in nodes])
     sign = 1.0 if along == "r_x" else -1.0
     normal = sign * np.cross(r_s, r_t)
