@@ -23,6 +23,7 @@ CASES = (
     "strain-models",
     "sze-cantilever",
     "sze-roll-up",
+    "sze-slit-annulus",
     "thermal-strain",
     "unsymmetric-laminate",
 )

@@ -26,7 +26,7 @@ class Symmetry(Declaration):
 
         r_n = (N.r_n) N,   r_sn = (N.r_sn) N:   their two components in the plane are zero.
 
-    Six of the twelve coordinates of each node are held, four of the nine of an element without r_xy. Loads must be symmetric too;
+    Six of the twelve coordinates of each node are held, four of nine where the element has no r_xy. Loads must be symmetric too;
     a force at a point of the plane, or along the edge, counts only the half that acts on this side. The image of a layup is the
     mirrored layup: fibres at an angle to the edge continue at the opposite angle.
 
@@ -46,10 +46,8 @@ class Symmetry(Declaration):
         item = f"Symmetry '{self.name}'"
         axes = axes_with(item, self.normal)
         level = plane_of(item, build, self.on, axes[:, 2])
-        _check_crossing(item, build, self.on, axes)
-        mesh = self.on.body.compiled(build)
-        along, across = mesh.edge_slope(self.on.side)
-        crossing = [name for name in (across, "r_xy") if name in mesh.element.vector_names]
+        crossing = _crossing(item, build, self.on, axes)
+        along, _ = self.on.body.compiled(build).edge_slope(self.on.side)
         normal = {"normal component": axes[:, 2]}
         tangential = {"first component in the plane": axes[:, 0], "second component in the plane": axes[:, 1]}
         rows = [
@@ -111,18 +109,16 @@ def plane_of(item: str, build: Build, edge: Edge, normal: Floats) -> float:
     return level
 
 
-def _check_crossing(item: str, build: Build, edge: Edge, axes: Floats) -> None:
-    """Refuse a slope across an edge, or a twist, with a component in the plane (the first two axes)."""
+def _crossing(item: str, build: Build, edge: Edge, axes: Floats) -> tuple[str, ...]:
+    """Names of the slope across an edge and of the twist, if any, whose components in the plane (the first axes) must be zero."""
     mesh, initial = edge.body.compiled(build), build.initial
     nodes = [int(node) for node in mesh.edge_nodes(edge.side)]
-    name = mesh.edge_slope(edge.side)[1]
-    across = initial[[mesh.vector(node, name) for node in nodes]]
-    has_twist = "r_xy" in mesh.element.vector_names
-    twist = initial[[mesh.vector(node, "r_xy") for node in nodes]] if has_twist else np.zeros_like(across)
+    names = tuple(name for name in (mesh.edge_slope(edge.side)[1], "r_xy") if name in mesh.element.vector_names)
+    across, *twists = (initial[[mesh.vector(node, vector) for node in nodes]] for vector in names)
     stretch = np.linalg.norm(across, axis=1)
     length = max(mesh.size)  # of the parameters, by which r_xy differs from a slope
     lean = float(np.max(np.linalg.norm(across @ axes[:, :2], axis=1) / stretch))
-    change = float(np.max(length * np.linalg.norm(twist @ axes[:, :2], axis=1) / stretch))
+    change = max((float(np.max(length * np.linalg.norm(twist @ axes[:, :2], axis=1) / stretch)) for twist in twists), default=0.0)
     if max(lean, change) > ROUNDING:
         angle = (
             f"at {90 - np.degrees(np.arcsin(min(lean, 1.0))):.6g} deg" if lean > ROUNDING else "at angles that change along it"
@@ -132,6 +128,7 @@ def _check_crossing(item: str, build: Build, edge: Edge, axes: Floats) -> None:
             f"the lines of {edge.body.name} that cross edge {edge} meet the plane with the normal {_shown(axes[:, 2])} {angle}",
             "accepted are parameter lines that meet a symmetry plane at a right angle",
         )
+    return names
 
 
 def _shown(direction: Floats) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Literal
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -23,7 +24,7 @@ def run() -> Iterator[Evidence]:
     """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     factors = references.at("W, published")
-    result = loaded(16, factors)
+    result = loaded((16, 1), factors)
     path = tip_path(result, factors)
     yield from references.checks("-U, published", (-path[:, 0]).tolist())
     yield from references.checks("W, published", path[:, 1].tolist())
@@ -33,21 +34,25 @@ def run() -> Iterator[Evidence]:
     yield references.check("W, mesh 16 x 1: largest distance to the elastica over the path", worst[1])
     yield references.check("-U at full load, mesh 16 x 1", -path[-1, 0])
     yield references.check("W at full load, mesh 16 x 1", path[-1, 1])
-    fine = tip_path(loaded(64, [0.5, 1.0]), [1.0])[-1]
+    fine = tip_path(loaded((64, 1), [0.5, 1.0]), [1.0])[-1]
     yield references.check("-U at full load, mesh 64 x 1", -fine[0])
     yield references.check("W at full load, mesh 64 x 1", fine[1])
+    other = tip_path(loaded((16, 2), factors, "plate36"), factors)
+    for name, distance in zip("UW", np.abs(other - exact).max(axis=0), strict=True):
+        yield references.check(f"{name}, Plate36, mesh 16 x 2: largest distance to the elastica over the path", distance)
     computed = {"−U": ([0.0, *factors], [0.0, *-path[:, 0]]), "W": ([0.0, *factors], [0.0, *path[:, 1]])}
     published = {f"{name}, Sze et al.": references.points(f"{name.replace('−', '-')}, published") for name in computed}
+    computed |= {"−U, Plate36": (factors, -other[:, 0]), "W, Plate36": (factors, other[:, 1])}
     elastic = {"−U, elastica": (factors, -exact[:, 0]), "W, elastica": (factors, exact[:, 1])}
     yield Curves("Displacement of the tip", "Load factor [–]", "Displacement [m]", computed, published | elastic)
     yield Shape("At 20 % and 100 % of the load", result, at=(0.2, 1.0), view=(0.3, 1.0, -0.3))
 
 
-def loaded(n_elements: int, factors: Sequence[float]) -> Result:
+def loaded(mesh: tuple[int, int], factors: Sequence[float], element: Literal["plate48", "plate36"] = "plate48") -> Result:
     """Equilibria of the strip at each load factor."""
     system = lm.System()
     strip = lm.Laminate(lm.Isotropic(E=MODULUS, nu=0.0, rho=1.0), thickness=THICKNESS)
-    plate = system.add(lm.Plate("strip", (LENGTH, WIDTH), (n_elements, 1), strip))
+    plate = system.add(lm.Plate("strip", (LENGTH, WIDTH), mesh, strip, element=element))
     plate.marker("tip", LENGTH, WIDTH / 2)
     system.add(lm.Clamp("root", plate.edge("x-")))
     system.add(lm.EdgeForce("shear", plate.edge("x+"), (0.0, 0.0, FORCE / WIDTH)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import root_scalar
@@ -26,28 +27,32 @@ def run() -> Iterator[Evidence]:
     """Yield the checks and pictures of this case."""
     references = References.beside(__file__)
     factors = np.array(references.at("u, mesh 16 x 1"))
-    coarse = rolled(16, follower=True)
+    coarse = rolled((16, 1), follower=True)
     path = tip(coarse, factors)
     yield from references.checks("u, mesh 16 x 1", path[:, 0].tolist())
     yield from references.checks("w, mesh 16 x 1", path[:, 1].tolist())
-    fixed_axis = tip(rolled(16, follower=False), factors)
+    fixed_axis = tip(rolled((16, 1), follower=False), factors)
     yield references.check("moment about a fixed axis against follower moment", np.abs(fixed_axis - path).max())
     model = np.array([extensible_circle(factor * FULL_CIRCLE) for factor in factors])
-    fine = rolled(64, follower=True)
+    fine = rolled((64, 1), follower=True)
     yield references.check("mesh 64 x 1 against the extensible circle", np.abs(tip(fine, factors) - model).max())
     yield references.check("membrane strain at full load", membrane_strain(fine))
     yield references.check("order of Newton's iteration", newton_order(coarse))
+    other = tip(rolled((16, 2), follower=True, element="plate36"), factors)
+    yield from references.checks("u, Plate36, mesh 16 x 2", other[:, 0].tolist())
+    yield from references.checks("w, Plate36, mesh 16 x 2", other[:, 1].tolist())
     computed = {"u": ([0.0, *factors], [0.0, *path[:, 0]]), "w": ([0.0, *factors], [0.0, *path[:, 1]])}
     circle = {f"{name}, circle": references.points(f"{name}, mesh 16 x 1") for name in computed}
+    computed |= {"u, Plate36": (factors, other[:, 0]), "w, Plate36": (factors, other[:, 1])}
     yield Curves("Displacement of the tip", "Moment / moment of a full circle [–]", "Displacement [m]", computed, circle)
     yield Shape("At 20, 50 and 100 % of the moment", coarse, at=(0.2, 0.5, 1.0), view=(0.3, 1.0, -0.3))
 
 
-def rolled(n_elements: int, *, follower: bool) -> Result:
+def rolled(mesh: tuple[int, int], *, follower: bool, element: Literal["plate48", "plate36"] = "plate48") -> Result:
     """The strip rolled up in ten load steps."""
     system = lm.System()
     section = lm.Laminate(lm.Isotropic(E=MODULUS, nu=0.0, rho=1.0), thickness=THICKNESS)
-    plate = system.add(lm.Plate("strip", (LENGTH, 1.0), (n_elements, 1), section))
+    plate = system.add(lm.Plate("strip", (LENGTH, 1.0), mesh, section, element=element))
     plate.marker("tip", LENGTH, 0.5)
     system.add(lm.Clamp("root", plate.edge("x-")))
     edge = plate.edge("x+")
