@@ -18,6 +18,8 @@ CASES = (
     "patch",
     "plate36",
     "plate-closed-forms",
+    "ring",
+    "spinning-ring",
     "buckling",
     "spin-stiffening",
     "strain-models",
