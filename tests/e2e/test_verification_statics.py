@@ -20,6 +20,8 @@ CASES = (
     "plate-closed-forms",
     "ring",
     "spinning-ring",
+    "curved-shells",
+    "shell-sections",
     "buckling",
     "spin-stiffening",
     "strain-models",
