@@ -96,7 +96,7 @@ def other_parameters(references: References) -> Iterator[Evidence]:
     yield references.check("cylinder, x and y exchanged: distance of the end", distance(displacement(other, (1.2, 0.0)), u))
     turned = lm.Shell("shell", CYLINDER, (5, 4), layup, ply_direction=axis, rotation=TURN, position=(0.5, -1.0, 2.0))
     R = matrix_from_vector(np.array(TURN))
-    other = displacement(deflected(turned, force=tuple(R @ FORCE)), (1.0, 1.2))
+    other = displacement(deflected(turned, force=R @ FORCE), (1.0, 1.2))
     yield references.check("cylinder, turned in space: distance of the end", distance(R.T @ other, u))
     yield from flat_square(references, layup)
 
@@ -147,12 +147,12 @@ def skew(x: Floats, y: Floats) -> Floats:
     return np.stack([x + 0.08 * bump + 0.03 * np.sin(2 * np.pi * x), y - 0.06 * bump, np.zeros_like(x)], axis=1)
 
 
-def deflected(shell: lm.Shell | lm.Plate, root: EdgeName = "y-", force: tuple[float, ...] = tuple(FORCE)) -> Result:
+def deflected(shell: lm.Shell | lm.Plate, root: EdgeName = "y-", force: Floats = FORCE) -> Result:
     """A shell clamped at an edge under a force per area."""
     system = lm.System()
     system.add(shell)
     system.add(lm.Clamp("root", shell.edge(root), kind="restrained"))  # a slope held in full would act on other strains
-    system.add(lm.SurfaceForce("load", shell, force))
+    system.add(lm.SurfaceForce("load", shell, (force[0], force[1], force[2])))
     return lm.equilibrium(system, newton=PRECISE)
 
 
@@ -209,8 +209,16 @@ def balloon() -> tuple[Result, Floats]:
         return RADIUS * r / np.linalg.norm(r, axis=1, keepdims=True)
 
     system = lm.System()
-    shell = system.add(lm.Shell("face", lm.FunctionSurface(face, (2 * quarter * RADIUS,) * 2), (12, 12), section(THIN)))
-    for side, axis, turn in (("x-", "x", (0, -1, 0)), ("x+", "x", (0, 1, 0)), ("y-", "y", (1, 0, 0)), ("y+", "y", (-1, 0, 0))):
+    shell = system.add(
+        lm.Shell("face", lm.FunctionSurface(face, (2 * quarter * RADIUS, 2 * quarter * RADIUS)), (12, 12), section(THIN))
+    )
+    held: tuple[tuple[EdgeName, str, tuple[int, int, int]], ...] = (
+        ("x-", "x", (0, -1, 0)),
+        ("x+", "x", (0, 1, 0)),
+        ("y-", "y", (1, 0, 0)),
+        ("y+", "y", (-1, 0, 0)),
+    )
+    for side, axis, turn in held:
         x, y, z = (quarter * k for k in turn)
         system.add(lm.EdgeSupport(side, shell.edge(side), axis, rotation=(x, y, z)))
     system.add(lm.Pressure("inside", shell, -PRESSURE))

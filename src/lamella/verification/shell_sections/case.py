@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import lamella as lm
 from lamella.result import Result
@@ -108,7 +109,7 @@ def stretched_sheets(references: References) -> Iterator[Evidence]:
     yield from references.checks("stretched rectangle: frequency over the closed form", lm.modes(system, 4).frequencies / exact)
 
 
-def string(strain: float, n: Floats | int) -> Floats:
+def string(strain: float, n: ArrayLike) -> Floats:
     """Frequencies [Hz] of the simply supported beam under the tension E A strain."""
     k = np.asarray(n) * np.pi / LENGTH
     return k * np.sqrt(E * strain / RHO + E * H**2 / (12 * RHO) * k**2) / (2 * np.pi)
