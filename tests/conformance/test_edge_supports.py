@@ -34,7 +34,7 @@ def cut_system(parts, element="plate48"):
 
 
 def piece(result, mesh):
-    """The nodal vectors of the first nodes, shape (mesh_y + 1, mesh_x + 1, vectors of a node, 3)."""
+    """The nodal vectors of the first nodes, shape (mesh_y + 1, mesh_x + 1, vectors, 3)."""
     plate = result.model.plates[0]
     x = result.final.q.reshape(plate.ny + 1, plate.nx + 1, plate.element.vectors_per_node, 3)
     return x[: mesh[1] + 1, : mesh[0] + 1]

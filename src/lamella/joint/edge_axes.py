@@ -19,8 +19,8 @@ class EdgeAxes:
         s: along the edge, R_s / |R_s|.
         t: across it in the tangent plane, s x n.
         n: normal of the surface, R_x x R_y over its length.
-        n_s: derivative of n by the parameter along the edge [1/m]; exactly zero where it is rounding, and for an element without
-            r_xy, whose derivative of r_t is no coordinate of the node.
+        n_s: derivative of n by the parameter along the edge [1/m]; exactly zero where it is rounding, and for an element
+            without r_xy, of which no row asks for it.
     """
 
     s: Floats
@@ -47,22 +47,24 @@ def edge_axes(mesh: PlateMesh, edge: Edge, initial: Floats) -> dict[int, EdgeAxe
     nodes = [int(node) for node in mesh.edge_nodes(edge.side)]
     along, across = mesh.edge_slope(edge.side)
     r, r_s, r_t = (initial[[mesh.vector(node, name) for node in nodes]] for name in ("r", along, across))
-    length = mesh.lx if along == "r_x" else mesh.ly
-    sides: dict[int, list[Floats]] = {}
-    for k, chord in enumerate(np.diff(r, axis=0)):
-        at_start = 6 * chord / length**2 - (4 * r_s[k] + 2 * r_s[k + 1]) / length
-        at_end = -6 * chord / length**2 + (2 * r_s[k] + 4 * r_s[k + 1]) / length
-        sides.setdefault(nodes[k], []).append(at_start)
-        sides.setdefault(nodes[k + 1], []).append(at_end)
-    r_ss = np.array([np.mean(sides[node], axis=0) for node in nodes])
     sign = 1.0 if along == "r_x" else -1.0
     normal = sign * np.cross(r_s, r_t)
     s, n, J = _unit(r_s), _unit(normal), np.linalg.norm(normal, axis=1, keepdims=True)
-    n_s = np.zeros_like(n)
-    if "r_xy" in mesh.element.vector_names:
-        r_st = initial[[mesh.vector(node, "r_xy") for node in nodes]]
-        change = sign * (np.cross(r_ss, r_t) + np.cross(r_s, r_st))
-        n_s = (change - np.sum(change * n, axis=1, keepdims=True) * n) / J
+    if "r_xy" not in mesh.element.vector_names:
+        return {node: EdgeAxes(s[k], np.cross(s[k], n[k]), n[k], np.zeros(3)) for k, node in enumerate(nodes)}
+    r_st = initial[[mesh.vector(node, "r_xy") for node in nodes]]
+    length = mesh.lx if along == "r_x" else mesh.ly
+    sides: dict[int, list[Floats]] = {}
+    following = range(1, len(nodes) + mesh.loops[0 if along == "r_x" else 1])  # a closed edge goes on at its first node
+    for k, end in enumerate(node % len(nodes) for node in following):
+        chord = r[end] - r[k]
+        at_start = 6 * chord / length**2 - (4 * r_s[k] + 2 * r_s[end]) / length
+        at_end = -6 * chord / length**2 + (2 * r_s[k] + 4 * r_s[end]) / length
+        sides.setdefault(nodes[k], []).append(at_start)
+        sides.setdefault(nodes[end], []).append(at_end)
+    r_ss = np.array([np.mean(sides[node], axis=0) for node in nodes])
+    change = sign * (np.cross(r_ss, r_t) + np.cross(r_s, r_st))
+    n_s = (change - np.sum(change * n, axis=1, keepdims=True) * n) / J
     n_s[np.linalg.norm(n_s, axis=1) * length * len(sides) < 1e-9] = 0.0  # an edge whose normal turns by less has a constant one
     return {node: EdgeAxes(s[k], np.cross(s[k], n[k]), n[k], n_s[k]) for k, node in enumerate(nodes)}
 

@@ -26,8 +26,8 @@ class Symmetry(Declaration):
 
         r_n = (N.r_n) N,   r_sn = (N.r_sn) N:   their two components in the plane are zero.
 
-    Six of the twelve coordinates of each node are held; without r_xy (``plate36``) four of nine. Loads must be symmetric too; a
-    force at a point of the plane, or along the edge, counts only the half that acts on this side. The image of a layup is the
+    Six of the twelve coordinates of each node are held, four of nine where the element has no r_xy. Loads must be symmetric too;
+    a force at a point of the plane, or along the edge, counts only the half that acts on this side. The image of a layup is the
     mirrored layup: fibres at an angle to the edge continue at the opposite angle.
 
     Args:
@@ -53,8 +53,9 @@ class Symmetry(Declaration):
         rows = [
             *hold_edge(build, self.on, "r", normal, {"normal component": level}),
             *hold_edge(build, self.on, along, normal, dict.fromkeys(normal, 0.0)),
-            *(row for name in crossing for row in hold_edge(build, self.on, name, tangential, dict.fromkeys(tangential, 0.0))),
         ]
+        for name in crossing:
+            rows += hold_edge(build, self.on, name, tangential, dict.fromkeys(tangential, 0.0))
         build.hold(self.name, rows, centre(build, self.on), edge=True)
 
 
@@ -108,22 +109,11 @@ def plane_of(item: str, build: Build, edge: Edge, normal: Floats) -> float:
     return level
 
 
-def _crossing(item: str, build: Build, edge: Edge, axes: Floats) -> list[str]:
-    """Names of the slope across an edge and of the twist, if there is one: their components in the plane must be zero.
-
-    Args:
-        item: what asks, for messages.
-        build: the build.
-        edge: the edge.
-        axes: two axes in the plane and its normal, as columns.
-
-    Raises:
-        DeclarationError: in the reference configuration they are not.
-    """
+def _crossing(item: str, build: Build, edge: Edge, axes: Floats) -> tuple[str, ...]:
+    """Names of the slope across an edge and of the twist, if any, whose components in the plane (the first axes) must be zero."""
     mesh, initial = edge.body.compiled(build), build.initial
     nodes = [int(node) for node in mesh.edge_nodes(edge.side)]
-    name = mesh.edge_slope(edge.side)[1]
-    names = [vector for vector in (name, "r_xy") if vector in mesh.element.vector_names]
+    names = tuple(name for name in (mesh.edge_slope(edge.side)[1], "r_xy") if name in mesh.element.vector_names)
     across, *twists = (initial[[mesh.vector(node, vector) for node in nodes]] for vector in names)
     stretch = np.linalg.norm(across, axis=1)
     length = max(mesh.size)  # of the parameters, by which r_xy differs from a slope
