@@ -53,6 +53,15 @@ class PlateSample:
         factor = np.asarray(self.thickness_factors, float)[..., None]
         return section_forces(self.laminate, *self._of_section) * factor ** np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
+    def energy_density(self) -> Floats:
+        """Strain energy per reference area W = 1/2 R . C^-1 R [J/m^2], shape (my, mx).
+
+        R = (N, M) are the section forces, of strains less thermal strains, and C = [[A, -B], [-B, D]].
+        """
+        forces = section_forces(self.laminate, *self._of_section)
+        strains = np.linalg.solve(self.laminate.stiffness, forces[..., None])[..., 0]
+        return 0.5 * np.asarray(self.thickness_factors, float) * np.sum(forces * strains, axis=-1)
+
     def stress(self, ply: int, surface: Surface = "middle", axes: Axes = "element") -> Floats:
         """Plane stress (11, 22, 12) in a ply [Pa], shape (my, mx, 3).
 

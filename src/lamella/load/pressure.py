@@ -53,9 +53,12 @@ class Pressure(Declaration):
 
 
 def _boundary_is_held(build: Build, mesh: PlateMesh) -> bool:
-    """Whether supports hold the whole boundary curve: positions and slopes along the edge at all nodes of all edges."""
+    """Whether supports hold the whole boundary curve: positions and slopes along the edge at all nodes of all edges.
+
+    A direction in which the surface is closed has no edges.
+    """
     held = {int(row.coords[0]) for row in build.rows if len(row.coords) == 1}
-    sides = ("x-", "x+", "y-", "y+")
+    sides = [side for side in ("x-", "x+", "y-", "y+") if not mesh.loops["xy".index(side[0])]]
     curve = {
         3 * mesh.vector(int(node), name) + c
         for side in sides

@@ -41,8 +41,8 @@ class TemperatureField(Declaration):
         initial_gradient: gradient T_M through the thickness at the start [K/m].
 
     Raises:
-        DeclarationError: the plate has another field, an element without thermal strain (``plate36``), or a material without
-            conductivity or specific heat.
+        DeclarationError: the plate has another field, an element without thermal strain (``plate36``), a thickness that varies,
+            or a material without conductivity or specific heat.
     """
 
     order: ClassVar[int] = 4  # values of fields are numbered behind all vectors
@@ -65,6 +65,10 @@ class TemperatureField(Declaration):
             accepted = " or ".join(f"'{name}'" for name, models in SHELLS.items() if models.heated)
             raise DeclarationError(
                 item, f"plate '{plate.name}' has the element '{plate.element.name}'", f"accepted with temperatures is {accepted}"
+            )
+        if plate.thickness_factors is not None:
+            raise DeclarationError(
+                item, f"plate '{plate.name}' has thickness_factors", "accepted with temperatures is one thickness"
             )
         mesh = TemperatureMesh(self.name, plate, self.reference)
         initial = self.reference if self.initial is None else self.initial

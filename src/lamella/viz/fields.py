@@ -111,12 +111,6 @@ def _strains(first: int) -> Callable[[Snapshot], Floats]:
     return lambda shot: shot.now.strains[..., first : first + 3]
 
 
-def _energy_density(shot: Snapshot) -> Floats:
-    """``W = 1/2 R . C^-1 R`` with the resultants R = (N, M) of strains less thermal strains, C = [[A, -B], [-B, D]] [J/m^2]."""
-    resultants = shot.now.section_forces()
-    return 0.5 * np.sum(resultants * np.linalg.solve(shot.plate.laminate.stiffness, resultants[..., None])[..., 0], axis=-1)
-
-
 def _von_mises(shot: Snapshot, places: Sequence[tuple[int, Face]]) -> Floats:
     return np.max([shot.now.von_mises(ply, face) for ply, face in places], axis=0)
 
@@ -162,7 +156,7 @@ FIELDS = {
         SurfaceField("normal", "Unit normal", "1", VECTOR, lambda shot: shot.now.n),
         SurfaceField("membrane_strain", "Membrane strain", "1", PLANE, _strains(0)),
         SurfaceField("curvature", "Change of curvature", "1/m", PLANE, _strains(3)),
-        SurfaceField("strain_energy_density", "Strain energy density", "J/m²", (), _energy_density),
+        SurfaceField("strain_energy_density", "Strain energy density", "J/m²", (), lambda shot: shot.now.energy_density()),
         SurfaceField("von_mises_top", "Von Mises stress, top", "Pa", (), lambda shot: _von_mises(shot, [(-1, "top")])),
         SurfaceField("von_mises_bottom", "Von Mises stress, bottom", "Pa", (), lambda shot: _von_mises(shot, [(0, "bottom")])),
         SurfaceField("von_mises", "Von Mises stress, all plies", "Pa", (), lambda s: _von_mises(s, _faces(s.plate.laminate))),
