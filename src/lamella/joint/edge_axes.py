@@ -36,7 +36,7 @@ def edge_axes(mesh: PlateMesh, edge: Edge, initial: Floats) -> dict[int, EdgeAxe
         J n_s = (I - n n^T) (+-)(R_ss x R_t + R_s x R_st).
 
     The second derivative R_ss of the cubic edge jumps at a node by a term of the order of the element's length squared; the mean
-    of both sides is taken.
+    of both sides is taken. R_st of an element without r_xy is the difference of R_t between nodes.
 
     Args:
         mesh: the plate.
@@ -45,8 +45,10 @@ def edge_axes(mesh: PlateMesh, edge: Edge, initial: Floats) -> dict[int, EdgeAxe
     """
     nodes = [int(node) for node in mesh.edge_nodes(edge.side)]
     along, across = mesh.edge_slope(edge.side)
-    r, r_s, r_t, r_st = (initial[[mesh.vector(node, name) for node in nodes]] for name in ("r", along, across, "r_xy"))
+    r, r_s, r_t = (initial[[mesh.vector(node, name) for node in nodes]] for name in ("r", along, across))
     length = mesh.lx if along == "r_x" else mesh.ly
+    twists = [mesh.vector(node, "r_xy") for node in nodes] if "r_xy" in mesh.element.vector_names else None
+    r_st = np.gradient(r_t, length, axis=0) if twists is None else initial[twists]
     sides: dict[int, list[Floats]] = {}
     for k, chord in enumerate(np.diff(r, axis=0)):
         at_start = 6 * chord / length**2 - (4 * r_s[k] + 2 * r_s[k + 1]) / length

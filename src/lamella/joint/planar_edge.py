@@ -26,9 +26,9 @@ class Symmetry(Declaration):
 
         r_n = (N.r_n) N,   r_sn = (N.r_sn) N:   their two components in the plane are zero.
 
-    Six of the twelve coordinates of each node are held. Loads must be symmetric too; a force at a point of the plane, or along
-    the edge, counts only the half that acts on this side. The image of a layup is the mirrored layup: fibres at an angle to the
-    edge continue at the opposite angle.
+    Six of the twelve coordinates of each node are held; of an element without r_xy, four of nine. Loads must be symmetric too;
+    a force at a point of the plane, or along the edge, counts only the half that acts on this side. The image of a layup is the
+    mirrored layup: fibres at an angle to the edge continue at the opposite angle.
 
     Args:
         name: unique name; the result holds ``<name>.force`` [N] and ``<name>.torque`` [N m] about the middle of the edge, which
@@ -46,16 +46,18 @@ class Symmetry(Declaration):
         item = f"Symmetry '{self.name}'"
         axes = axes_with(item, self.normal)
         level = plane_of(item, build, self.on, axes[:, 2])
-        across, r_xy = _crossing(item, build, self.on, axes)
-        along, _ = self.on.body.compiled(build).edge_slope(self.on.side)
+        _check_crossing(item, build, self.on, axes)
+        mesh = self.on.body.compiled(build)
+        along, across = mesh.edge_slope(self.on.side)
         normal = {"normal component": axes[:, 2]}
         tangential = {"first component in the plane": axes[:, 0], "second component in the plane": axes[:, 1]}
         rows = [
             *hold_edge(build, self.on, "r", normal, {"normal component": level}),
             *hold_edge(build, self.on, along, normal, dict.fromkeys(normal, 0.0)),
             *hold_edge(build, self.on, across, tangential, dict.fromkeys(tangential, 0.0)),
-            *hold_edge(build, self.on, r_xy, tangential, dict.fromkeys(tangential, 0.0)),
         ]
+        if "r_xy" in mesh.element.vector_names:
+            rows += hold_edge(build, self.on, "r_xy", tangential, dict.fromkeys(tangential, 0.0))
         build.hold(self.name, rows, centre(build, self.on), edge=True)
 
 
@@ -109,16 +111,17 @@ def plane_of(item: str, build: Build, edge: Edge, normal: Floats) -> float:
     return level
 
 
-def _crossing(item: str, build: Build, edge: Edge, axes: Floats) -> tuple[str, str]:
-    """Names of the slope across an edge and of the twist, whose components in the plane (the first two axes) must be zero."""
+def _check_crossing(item: str, build: Build, edge: Edge, axes: Floats) -> None:
+    """Refuse a slope across an edge, or a twist, that has components in the plane, the first two axes."""
     mesh, initial = edge.body.compiled(build), build.initial
     nodes = [int(node) for node in mesh.edge_nodes(edge.side)]
-    name = mesh.edge_slope(edge.side)[1]
-    across, twist = (initial[[mesh.vector(node, vector) for node in nodes]] for vector in (name, "r_xy"))
+    across = initial[[mesh.vector(node, mesh.edge_slope(edge.side)[1]) for node in nodes]]
     stretch = np.linalg.norm(across, axis=1)
-    length = max(mesh.size)  # of the parameters, by which r_xy differs from a slope
-    lean = float(np.max(np.linalg.norm(across @ axes[:, :2], axis=1) / stretch))
-    change = float(np.max(length * np.linalg.norm(twist @ axes[:, :2], axis=1) / stretch))
+    lean, change = float(np.max(np.linalg.norm(across @ axes[:, :2], axis=1) / stretch)), 0.0
+    if "r_xy" in mesh.element.vector_names:
+        twist = initial[[mesh.vector(node, "r_xy") for node in nodes]]
+        length = max(mesh.size)  # of the parameters, by which r_xy differs from a slope
+        change = float(np.max(length * np.linalg.norm(twist @ axes[:, :2], axis=1) / stretch))
     if max(lean, change) > ROUNDING:
         angle = (
             f"at {90 - np.degrees(np.arcsin(min(lean, 1.0))):.6g} deg" if lean > ROUNDING else "at angles that change along it"
@@ -128,7 +131,6 @@ def _crossing(item: str, build: Build, edge: Edge, axes: Floats) -> tuple[str, s
             f"the lines of {edge.body.name} that cross edge {edge} meet the plane with the normal {_shown(axes[:, 2])} {angle}",
             "accepted are parameter lines that meet a symmetry plane at a right angle",
         )
-    return name, "r_xy"
 
 
 def _shown(direction: Floats) -> str:
