@@ -1,0 +1,199 @@
+"""Hinged cylindrical roofs under a load at the middle: snap-through and snap-back, and the bifurcation of the whole roof."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+import lamella as lm
+from lamella.critical import CriticalPoint
+from lamella.result import Result
+from lamella.roles import Floats
+from lamella.verification import Curves, Evidence, References, Shape
+
+slow = True
+
+RADIUS, LENGTH, HALF_ANGLE = 2540.0, 508.0, 0.1  # mm and N throughout
+METAL = lm.Isotropic(E=3102.75, nu=0.3, rho=1.0)
+PLY = lm.Lamina(E1=3300.0, E2=1100.0, G12=660.0, nu12=0.25, rho=1.0)
+LAYUPS: dict[str, tuple[float, ...] | None] = {"isotropic": None, "[0/90/0]": (0, 90, 0), "[90/0/90]": (90, 0, 90)}
+LAST = {12.7: 3000.0, 6.35: 1000.0}
+"""Load at the end of the path by the thickness [N]."""
+LOOPED = (6.35, "[0/90/0]")
+"""The roof whose published point lies behind its limit point."""
+CENTRE_ANGLE = np.pi / 2  # where the crown is
+Element = Literal["plate48", "plate36"]
+
+
+def run() -> Iterator[Evidence]:
+    """Yield the checks and pictures of this case."""
+    references = References.beside(__file__)
+    for h in LAST:
+        lines, published = {}, {}
+        for layup in LAYUPS:
+            result = path(h, layup)
+            yield from compared(references, h, layup, result)
+            lines[layup] = sinking(result), load(result, h)
+            published[f"{layup}, published"] = references.points(f"h = {h}, {layup}: load at the published displacement")
+        yield Curves(f"h = {h} mm", "Displacement of C [mm]", "Load [N]", lines, published)
+        limits = [round(point.at) for point in result.critical_points]
+        yield Shape(
+            f"h = {h} mm, [90/0/90]: a quarter, at its limit points and at the end", result, [*limits, len(result.at) - 1]
+        )
+    yield from converging(references)
+    yield from whole_roof(references)
+
+
+def path(h: float, layup: str) -> Result:
+    """The path of a quarter on 8 x 8 elements to the last load."""
+    return lm.equilibrium_path(quarter(h, layup, 8)[0], arc=lm.ArcLength(first=0.05, largest=0.002))
+
+
+def compared(references: References, h: float, layup: str, result: Result) -> Iterator[Evidence]:
+    """A path against the published point nearest to its first limit point, and against the balance of energy."""
+    roof = f"h = {h}, {layup}"
+    limits = limit_loads(result, h)
+    yield references.check(f"{roof}: limit load", limits[0])
+    name = f"{roof}: load at the published displacement"
+    (published_w,) = references.at(name)
+    begin = pressed(h, layup, 8, to=1.1 * published_w, steps=16)
+    along = CubicSpline(sinking(begin), load(begin, h))
+    yield from references.checks(name, [float(along(published_w))])
+    if (h, layup) == LOOPED:
+        name = f"{roof}: displacement at the published load"
+        published_load = references.value(f"{roof}: limit load")
+        yield references.check(name, brentq(lambda w: along(w) - published_load, published_w - 1.5, published_w + 1.0))
+    yield references.check(f"{roof}: number of limit points", len(limits))
+    yield references.check(
+        f"{roof}: work of the load over strain energy", work(result, h) / (4 * result["energy.strain"].values[-1])
+    )
+    w = sinking(result)
+    yield references.check(f"{roof}: way by which C turns back", np.max(np.maximum.accumulate(w) - w))
+
+
+def converging(references: References) -> Iterator[Evidence]:
+    """Limit loads on several meshes over that on 16 x 16 elements."""
+    errors: dict[str, tuple[Floats, Floats]] = {}
+    for h, layup in ((12.7, "isotropic"), LOOPED):
+        fine = first_limit(h, layup, 16, "plate48")
+        for element in ("plate48", "plate36"):
+            name = f"h = {h}, {layup}: limit load on n x n {element} over 16 x 16 plate48"
+            meshes = references.at(name)
+            shares = [first_limit(h, layup, int(n), element) / fine for n in meshes]
+            yield from references.checks(name, shares)
+            errors[f"{element}, h = {h}, {layup}"] = np.array(meshes), np.abs(np.array(shares) - 1)
+    yield Curves("Limit load", "Elements along a side of the quarter [–]", "Relative error [–]", errors, log="xy")
+
+
+def whole_roof(references: References) -> Iterator[Evidence]:
+    """The thin isotropic roof without planes of symmetry: it leaves its path before the limit point."""
+    h, layup, arc = 6.35, "isotropic", lm.ArcLength(first=0.1, largest=0.004)
+    half = first_limit(h, layup, 4, "plate48", to=14.0)
+    system, middle = roof(h, layup, 8)
+    perfect = lm.equilibrium_path(system, control=lm.DisplacementControl(middle, "y", to=-14.0, steps=14))
+    bifurcation, limit = perfect.critical_points[:2]
+    yield references.check("whole roof: limit load over that of the quarter", limit.factor * LAST[h] / half)
+    yield references.check("whole roof: bifurcation over limit load", bifurcation.factor / limit.factor)
+    yield references.check("whole roof: symmetric part of the bifurcation's shape", symmetric_part(perfect, bifurcation))
+    falls = [bifurcation.factor - beside(system, bifurcation, amplitude) for amplitude in (0.1, 0.2)]
+    yield references.check(
+        "whole roof: power of the amplitude by which the load falls on the branch", np.log2(falls[1] / falls[0])
+    )
+    branch = lm.equilibrium_path(system, until=0.0, branch=bifurcation.branch(0.5), arc=arc)
+    results = {"perfect, symmetric": perfect, "branch": branch}
+    name = "whole roof: limit load with an imperfection, over bifurcation"
+    shares = references.at(name)
+    for share in shares:
+        crooked = bifurcation.imperfection(share * h)
+        results[f"imperfection of {share:g} h"] = lm.equilibrium_path(system, until=0.7, imperfection=crooked, arc=arc)
+    yield from references.checks(
+        name, [results[f"imperfection of {a:g} h"].critical_points[0].factor / bifurcation.factor for a in shares]
+    )
+    lines = {label: (sinking(result), load(result, h)) for label, result in results.items()}
+    yield Curves("Whole roof, h = 6.35 mm, isotropic", "Displacement of C [mm]", "Load [N]", lines)
+    last = len(branch.at) - 1
+    yield Shape("On the branch that leaves the bifurcation", branch, [0, last // 3, last])
+
+
+def laminate(h: float, layup: str) -> lm.Laminate:
+    """The section; 0 deg is the direction of the axis."""
+    angles = LAYUPS[layup]
+    return lm.Laminate(METAL, thickness=h) if angles is None else lm.Laminate(PLY, angles=angles, thickness=h)
+
+
+def quarter(h: float, layup: str, n: int, element: Element = "plate48") -> tuple[lm.System, lm.Marker]:
+    """A quarter of the roof on n x n elements under a quarter of the last load, and its corner C, the middle of the roof."""
+    surface = lm.CylinderSurface(RADIUS, LENGTH / 2, angle=(CENTRE_ANGLE - HALF_ANGLE, CENTRE_ANGLE))
+    system = lm.System()
+    shell = system.add(lm.Shell("roof", surface, (n, n), laminate(h, layup), ply_direction=(0, 0, 1), element=element))
+    middle = shell.marker("C", RADIUS * HALF_ANGLE, 0.0)
+    system.add(lm.EdgeSupport("hinge", shell.edge("x-")))
+    system.add(lm.Symmetry("crown", shell.edge("x+"), normal="x"))
+    system.add(lm.Symmetry("middle", shell.edge("y-"), normal="z"))
+    system.add(lm.PointForce("P", middle, (0.0, -LAST[h] / 4, 0.0)))
+    return system, middle
+
+
+def roof(h: float, layup: str, n: int) -> tuple[lm.System, lm.Marker]:
+    """The whole roof on n x n elements under the last load, and its middle C."""
+    surface = lm.CylinderSurface(RADIUS, LENGTH, angle=(CENTRE_ANGLE - HALF_ANGLE, CENTRE_ANGLE + HALF_ANGLE))
+    system = lm.System()
+    shell = system.add(lm.Shell("roof", surface, (n, n), laminate(h, layup), ply_direction=(0, 0, 1)))
+    middle = shell.marker("C", RADIUS * HALF_ANGLE, LENGTH / 2)
+    system.add(lm.EdgeSupport("right", shell.edge("x-")))
+    system.add(lm.EdgeSupport("left", shell.edge("x+")))
+    system.add(lm.PointForce("P", middle, (0.0, -LAST[h], 0.0)))
+    return system, middle
+
+
+def pressed(h: float, layup: str, n: int, element: Element = "plate48", *, to: float, steps: int) -> Result:
+    """The begin of the path of a quarter, by steps of the displacement of C [mm]."""
+    system, middle = quarter(h, layup, n, element)
+    return lm.equilibrium_path(system, control=lm.DisplacementControl(middle, "y", to=-to, steps=steps))
+
+
+def first_limit(h: float, layup: str, n: int, element: Element, to: float = 12.0) -> float:
+    """Load of the first limit point [N], which lies before the displacement ``to`` [mm] of C."""
+    return limit_loads(pressed(h, layup, n, element, to=to, steps=6), h)[0]
+
+
+def limit_loads(result: Result, h: float) -> list[float]:
+    """Loads of the limit points [N]."""
+    return [point.factor * LAST[h] for point in result.critical_points if point.kind == "limit point"]
+
+
+def load(result: Result, h: float) -> Floats:
+    """Load P along the path [N]."""
+    return LAST[h] * result["load_factor"].values
+
+
+def sinking(result: Result) -> Floats:
+    """Downward displacement of C along the path [mm]."""
+    return RADIUS - result["C.position"].values[:, 1]
+
+
+def work(result: Result, h: float) -> float:
+    """Work of the load along the path [N mm]: the integral of P dw, from cubic splines over the length in the diagram."""
+    P, w = load(result, h), sinking(result)
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(P) / np.ptp(P), np.diff(w) / np.ptp(w)))])
+    fine = np.linspace(0.0, length[-1], 50 * len(w))
+    return float(np.trapezoid(CubicSpline(length, P)(fine) * CubicSpline(length, w)(fine, 1), fine))
+
+
+def symmetric_part(result: Result, point: CriticalPoint) -> float:
+    """Largest sum of the vertical displacements of a shape at two nodes that are mirror images, over its largest displacement."""
+    mesh = result.model.plates[0]
+    rows = [[mesh.vector(mesh.node(i, j), "r") for i in range(mesh.nodes_x)] for j in range(mesh.nodes_y)]
+    vertical = point.shape.reshape(-1, 3)[np.array(rows), 1]
+    return float(np.abs(vertical + vertical[:, ::-1]).max())
+
+
+def beside(system: lm.System, point: CriticalPoint, amplitude: float) -> float:
+    """Load factor of the branch at an amplitude [mm] of the bifurcation's shape."""
+    arc = lm.ArcLength(largest=1e-3, max_steps=1)
+    found = lm.equilibrium_path(system, until=0.0, branch=point.branch(amplitude), arc=arc, on_failure="return")
+    return float(found["load_factor"].values[1])
