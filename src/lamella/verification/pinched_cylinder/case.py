@@ -17,6 +17,7 @@ slow = True
 RADIUS, LENGTH, THICKNESS, FORCE = 300.0, 600.0, 3.0, 1.0
 MATERIAL = lm.Isotropic(E=3e6, nu=0.3, rho=1.0)
 MESHES = (4, 8, 16, 32)
+UPRIGHT = (np.pi / 2, 0.0, 0.0)  # lays the axis of the cylinder along -y
 Element = Literal["plate48", "plate36"]
 
 
@@ -54,16 +55,16 @@ def octant(n: int, element: Element, membrane_gauss: Literal[3] | None) -> Resul
     surface = lm.CylinderSurface(RADIUS, LENGTH / 2, angle=(0.0, np.pi / 2))
     system, section = lm.System(), lm.Laminate(MATERIAL, thickness=THICKNESS)
     options = {"strain": "linear", "element": element, "membrane_gauss": membrane_gauss}
-    shell = system.add(lm.Shell("cylinder", surface, (n, n), section, **options))
+    shell = system.add(lm.Shell("cylinder", surface, (n, n), section, rotation=UPRIGHT, **options))
     pinched = shell.marker("C", RADIUS * np.pi / 2, LENGTH / 2)
-    system.add(lm.Diaphragm("wall", shell.edge("y-"), normal="z"))
-    system.add(lm.Symmetry("middle", shell.edge("y+"), normal="z"))
-    system.add(lm.Symmetry("side", shell.edge("x-"), normal="y"))
+    system.add(lm.Diaphragm("wall", shell.edge("y-"), normal="y"))
+    system.add(lm.Symmetry("middle", shell.edge("y+"), normal="y"))
+    system.add(lm.Symmetry("side", shell.edge("x-"), normal="z"))
     system.add(lm.Symmetry("top", shell.edge("x+"), normal="x"))
-    system.add(lm.PointForce("pinch", pinched, (0.0, -FORCE / 4, 0.0)))
+    system.add(lm.PointForce("pinch", pinched, (0.0, 0.0, -FORCE / 4)))
     return lm.equilibrium(system, newton=lm.Newton(tolerance=1e-11, keep=0.0))
 
 
 def dent(result: Result) -> float:
     """Inward displacement of C, where the force acts [m]."""
-    return RADIUS - float(result["C.position"].values[1])
+    return RADIUS - float(result["C.position"].values[2])
