@@ -84,6 +84,24 @@ def test_frequencies_of_the_quarter_are_those_of_the_symmetric_modes():
         assert np.abs(whole / f - 1).min() < 1e-8
 
 
+def test_a_half_of_elements_without_twist_is_part_of_the_whole():
+    """Bent and stretched far: the mirror image of Plate36 is one as well."""
+    tips = {}
+    for half in (False, True):
+        system, size = lm.System(), (SIZE[0], SIZE[1] / (1 + half))
+        plate = lm.Plate("plate", size, (4, 4 // (1 + half)), SECTION, element="plate36")
+        system.add(plate)
+        plate.marker("tip", SIZE[0], SIZE[1] / 2)
+        system.add(lm.EdgeSupport("root", plate.edge("x-")))
+        system.add(lm.EdgeSupport("end", plate.edge("x+"), "yz"))
+        system.add(lm.SurfaceForce("load", plate, (1e4, 0.0, -2e4)))
+        if half:
+            system.add(lm.Symmetry("middle", plate.edge("y+"), "y"))
+        tips[half] = lm.equilibrium(system, newton=TIGHT)["tip.position"].values
+    np.testing.assert_allclose(tips[True], tips[False], atol=1e-10)  # Newton's 1e-12
+    assert abs(tips[True][0] - SIZE[0]) > 1e-4
+
+
 def strip(turn=(0.0, 0.0, 0.0)):
     """A plate on which a skew force acts, all turned by a rotation vector."""
     system, rotation = lm.System(), matrix_from_vector(np.array(turn))

@@ -57,6 +57,7 @@ def test_the_examples_are_listed_with_their_titles() -> None:
         "deployment-springs",
         "thermal-flutter",
         "satellite-thermal",
+        "cylindrical-roof",
     } <= set(known)
     for example in known.values():
         assert read_model(example.model).title == example.title
@@ -129,6 +130,34 @@ def test_thermal_flutter_in_short(run, tmp_path: Path) -> None:
     names = {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()}
     assert {"snap-8mm", "root-10mm-damping-0.5", "tip-10mm-damping-0.5"} < names
     assert len(names) == 12
+
+
+def test_cylindrical_roof_in_short(run, tmp_path: Path) -> None:
+    """On a coarse mesh, whose limit load is that of a quarter with planes of symmetry: the perfect roof keeps its symmetry."""
+    findings = run("cylindrical-roof", "--set", "system.roof.mesh=[4, 4]", "--no-pictures", *BRIEF)
+    check_shape(findings)
+    snap, side, imperfect, energy = findings  # the published roofs are those of the model as it is
+    surface = lm.CylinderSurface(2.54, 0.254, angle=(math.pi / 2 - 0.1, math.pi / 2))
+    for name, section in (
+        ("isotropic", lm.Laminate(lm.Isotropic(3102.75e6, 0.3, 1000.0), thickness=6.35e-3)),
+        ("0-90-0", lm.Laminate(lm.Lamina(3300e6, 1100e6, 660e6, 0.25, 1000.0), angles=(0, 90, 0), thickness=6.35e-3)),
+    ):
+        system = lm.System()
+        quarter = system.add(lm.Shell("roof", surface, (2, 2), section, ply_direction=(0, 0, 1)))
+        middle = quarter.marker("C", 0.254, 0.0)
+        system.add(lm.EdgeSupport("hinge", quarter.edge("x-")))
+        system.add(lm.Symmetry("crown", quarter.edge("x+"), "x"))
+        system.add(lm.Symmetry("middle", quarter.edge("y-"), "z"))
+        system.add(lm.PointForce("load", middle, (0.0, -250.0, 0.0)))
+        path = lm.equilibrium_path(system, control=lm.DisplacementControl(middle, "y", -0.015, steps=8))
+        limit = 1000 * next(point.factor for point in path.critical_points if point.kind == "limit point")
+        found = imperfect["numbers"][f"limit load, perfect and symmetric, {name} [N]"]
+        assert found == pytest.approx(limit, rel=1e-4)  # five digits are given
+        assert imperfect["numbers"][f"limit load with the imperfection, {name} [N]"] < 0.9 * found
+        assert side["numbers"][f"bifurcation, {name} [N]"] < 0.95 * found
+        assert snap["numbers"][f"way by which C turns back, {name} [mm]"] > 1.0
+        assert abs(energy["numbers"][f"work less strain energy, {name} [% of work]"]) < 0.2
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"isotropic", "0-90-0", "90-0-90"}
 
 
 @pytest.mark.parametrize(("name", "analysis"), [("solar-array", "unfolding"), ("deployment-springs", "deployment")])
@@ -261,3 +290,16 @@ def test_satellite_thermal_whole(run, tmp_path: Path) -> None:
         -0.0968, rel=0.05
     )  # there linear about the hub
     assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} >= {"hub-angle", "gradient", "across", "satellite"}
+
+
+@pytest.mark.slow
+def test_cylindrical_roof_whole(run, tmp_path: Path) -> None:
+    findings = run("cylindrical-roof")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 5
+    published, _, side, *_ = (finding["numbers"] for finding in findings)
+    # Quarters of 16x16 elements; these 8x8 of the whole are within 0.25 %.
+    for name, limit in (("isotropic", 584.87), ("0-90-0", 243.10), ("90-0-90", 474.91)):
+        assert published[f"limit load, {name} [N]"] == pytest.approx(limit, rel=2.5e-3)
+    assert side["of the limit load, isotropic [%]"] == pytest.approx(89.4, abs=0.2)  # 12x12 elements: 89.4
+    assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} == {"paths", "symmetric", "sideways", "snap"}

@@ -10,12 +10,14 @@ from lamella.verification.runner import find_cases, run_case
 from lamella.viz.case_pictures import drawn
 
 CASES = (
+    "hinged-roofs",
     "liu-laminates",
     "membrane-locking",
     "p1-static",
     "p2-static",
     "pagano-laminate",
     "patch",
+    "pinched-cylinder",
     "plate36",
     "plate-closed-forms",
     "ring",
@@ -23,6 +25,7 @@ CASES = (
     "curved-shells",
     "shell-sections",
     "buckling",
+    "scordelis-lo",
     "spin-stiffening",
     "strain-models",
     "sze-cantilever",
@@ -33,9 +36,10 @@ CASES = (
 )
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_case_passes(name):
-    (case,) = find_cases([name])
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow if case.slow else (), id=case.name) for case in find_cases(CASES)]
+)
+def test_case_passes(case):
     outcome = run_case(case)
     failed = [
         f"{c.quantity}: {c.value} against {c.reference}, error {c.error} > {c.tolerance}" for c in outcome.checks if not c.passed

@@ -92,6 +92,18 @@ def test_load_steps_and_path_find_the_same_bifurcation(straight):
     assert steps.critical_points[0].at == steps.critical_points[0].factor
 
 
+def test_shape_of_the_bifurcation_is_the_column_s_mode(straight):
+    """w = 1 - cos(pi x / 2L), slopes and twists too, whatever the length is to 1 m."""
+    point, plate = straight.critical_points[0], straight.model.plates[0]
+    shape = point.shape.reshape(-1, 3)[:, 2]
+    for i in range(plate.nx + 1):
+        x = np.pi / 2 * i / plate.nx
+        w, slope, twist = (shape[plate.vector(plate.node(i, 0), name)] for name in ("r", "r_x", "r_xy"))
+        assert w == pytest.approx(1 - np.cos(x), abs=1e-5)  # eight cubics: 5e-6
+        assert slope == pytest.approx(np.pi / 2 / L * np.sin(x), abs=1e-4 / L)
+        assert abs(twist) < 1e-6 / L
+
+
 def test_a_jump_over_several_bifurcations_finds_each():
     found = lm.equilibrium(column()[0], steps=[30 * EULER]).critical_points
     assert [point.negative for point in found] == [(0, 1), (1, 2), (2, 3)]
@@ -189,14 +201,12 @@ def test_preload_then_push():
     assert w[2] == pytest.approx(expected, rel=5e-4)
 
 
-def arch():
-    """A clamped shallow strip is bent to an arch by its imperfection and pressed at its crown."""
-    system, plate = (
-        lm.System(),
-        lm.Plate("strip", (1.0, 0.1), (8, 1), lm.Laminate(lm.Isotropic(1e9, 0.0, 1000.0), thickness=4e-3)),
-    )
+def arch(metre=1.0):
+    """A clamped shallow strip is bent to an arch by its imperfection and pressed at its crown; lengths in another unit."""
+    section = lm.Laminate(lm.Isotropic(1e9 / metre**2, 0.0, 1000.0 / metre**3), thickness=4e-3 * metre)
+    system, plate = lm.System(), lm.Plate("strip", (metre, 0.1 * metre), (8, 1), section)
     system.add(plate)
-    crown = plate.marker("crown", 0.5, 0.05)
+    crown = plate.marker("crown", 0.5 * metre, 0.05 * metre)
     system.add(lm.EdgeSupport("left", plate.edge("x-")))
     system.add(lm.EdgeSupport("right", plate.edge("x+")))
     system.add(lm.PointForce("press", crown, (0.0, 0.0, -1.0)))
@@ -229,6 +239,16 @@ def test_displacement_control_passes_limit_points_as_the_arc_length_does():
     np.testing.assert_allclose(
         *found, rtol=2e-5
     )  # bifurcations are located to 1e-6 of a step, over which the load changes by 0.6
+
+
+def test_kinds_of_critical_points_do_not_depend_on_the_unit_of_length():
+    """Lengths in micrometres, millimetres and kilometres: the load does as much work on the null vector."""
+    for metre in (1e6, 1e3, 1e-3):
+        system, _ = arch(metre)
+        shape = lm.modes(system, 1).imperfection(0, 1.0)
+        rise = 0.006 * metre * np.sign(shape.reshape(-1, 3)[:, 2].sum()) * shape
+        points = lm.equilibrium_path(system, until=1.0, imperfection=rise).critical_points
+        assert [point.kind for point in points] == ["bifurcation", "limit point", "limit point", "bifurcation"]
 
 
 def test_snap_back_ends_displacement_control_with_a_hint_and_keeps_what_was_found():

@@ -43,7 +43,7 @@ class CriticalSearch:
 
     The number of negative eigenvalues (inertia) is that of negative pivots of the factorisation. Where it differs at two points,
     the eigenvalue omega of K phi = omega W phi that has changed its sign, W the squared reciprocal magnitudes, is followed to
-    zero along the path by Brent's method.
+    zero along the path by Brent's method. With y = W^(1/2) phi it is an eigenvalue 1 / omega of W^(1/2) K^-1 W^(1/2) y.
 
     Args:
         equations: gives the stiffness.
@@ -134,7 +134,7 @@ class CriticalSearch:
     def _nearest(self, point: Point, *, positive: bool, count: int) -> tuple[Floats, Floats]:
         """The ``count`` eigenvalues of one sign nearest to zero, with their shapes as columns (n_u, count)."""
         self._factorise(point)
-        n, none, w = self.equations.n_u, np.zeros(self.equations.n_lam), self._weights
+        n, none, w = self.equations.n_u, np.zeros(self.equations.n_lam), self._weights  # W^(1/2)
 
         def inverse(x: Floats) -> Floats:
             self.statistics.solves += 1
@@ -148,7 +148,7 @@ class CriticalSearch:
             operator: Any = linalg.LinearOperator((n, n), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
             start = inverse(np.random.default_rng(0).standard_normal(n))
             values, vectors = linalg.eigsh(operator, count, which="LA" if positive else "SA", v0=start)
-        return 1.0 / np.asarray(values), w[:, None] * np.asarray(vectors)
+        return 1.0 / np.asarray(values), np.asarray(vectors) / w[:, None]
 
     def _described(self, place: _Place, behind: int, shape: Floats, at: Callable[[float, Point], float]) -> CriticalPoint:
         equations, point = self.equations, place.point
