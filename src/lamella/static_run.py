@@ -92,32 +92,48 @@ class StaticRun:
         self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began
 
-    def record(self, point: Point, between: Between | None = None) -> None:
+    def follow(self, point: Point, between: Between | None = None) -> bool:
+        """As :meth:`record`, but an equilibrium on another path than the last one is not taken: the answer is then False."""
+        return self._recorded(point, between, jumps=False)
+
+    def record(self, point: Point, between: Between | None = None) -> bool:
         """Take an equilibrium as the state to go on from, with the critical points on the way to it, and sample it.
 
         Args:
             point: the equilibrium.
             between: finds those between the last one and it.
+
+        Returns:
+            True.
         """
+        return self._recorded(point, between, jumps=True)
+
+    def _recorded(self, point: Point, between: Between | None, *, jumps: bool) -> bool:
         count = float(len(self.recorder.at))
         if between is None:
             self.search.begin(point)
         else:
-            self.critical_points += self.search.passed(
+            found = self.search.passed(
                 point, between, lambda share, there: count - 1.0 + share if self.axis == "path" else self._at(there)
             )
+            if self.search.jumped and not jumps:
+                self.search.begin(self.point)
+                return False
+            self.critical_points += found
         if not self.search.at_point:
             self.newton.forget()
         self.point, self.q = point, self.equations.coordinates(point)
         self.state = self.equations.state(point)
         self.model.settle(self.state)
         self.recorder.sample(count if self.axis == "path" else self._at(point), self.state)
+        return True
 
-    def take(self, point: Point, between: Between) -> None:
-        """Take an equilibrium as the state to go on from, without recording it."""
+    def take(self, point: Point, between: Between) -> bool:
+        """Take an equilibrium as the state to go on from, without recording it; True."""
         self.point, self.q = point, self.equations.coordinates(point)
         self.state = self.equations.state(point)
         self.model.settle(self.state)
+        return True
 
     def _at(self, point: Point) -> float:
         return point.t if self.axis == "time" else point.factor

@@ -153,7 +153,7 @@ def equilibrium_path(
             if control is not None:
                 return control.follow(bordered, run.point, run.record)
             if branch is None:
-                return arc.follow(bordered, run.point, end, run.record)
+                return arc.follow(bordered, run.point, end, run.follow)
             start, first = run.point, _onto_branch(bordered, run.point, branch)
             if first is None:
                 detail = (
@@ -161,7 +161,7 @@ def equilibrium_path(
                 )
                 return Outcome(Cause.NOT_CONVERGED, start.factor, end, detail)
             run.record(first)
-            return arc.follow(bordered, first, end, run.record, leaving=start)
+            return arc.follow(bordered, first, end, run.follow, leaving=start)
 
         outcome = run.guarded(follow, end)
     return run.close(outcome, on_failure)
@@ -212,7 +212,7 @@ def _climb(
     at: float,
     targets: Sequence[float],
     smallest: float,
-    record: Callable[..., None],
+    record: Callable[..., bool],
 ) -> Outcome:
     """Meet every target of the load factor or of time, with steps cut where Newton fails.
 

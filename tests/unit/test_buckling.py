@@ -8,6 +8,7 @@ import pytest
 import lamella as lm
 from lamella.errors import ConvergenceError, DeclarationError, ModelError
 from lamella.io.modes import read_modes, write_modes
+from lamella.verification.hinged_roofs.case import roof
 
 E, H, L, B = 70e9, 1e-3, 0.4, 0.02
 EULER = np.pi**2 * E * B * H**3 / 12 / (4 * L**2)
@@ -261,3 +262,17 @@ def test_snap_back_ends_displacement_control_with_a_hint_and_keeps_what_was_foun
     assert len(reached) > 10
     assert reached.min() == pytest.approx(along.min(), abs=2e-3)  # points of the arc length miss the turn by a share of a step
     assert along[-1] > along.min() + 0.01
+
+
+def test_a_step_onto_another_path_is_taken_back():
+    """Beside a bifurcation of a roof a long step of the arc length lands on the upper, disconnected path of the imperfect roof."""
+    system, _ = roof(6.35, "[0/90/0]", 8)
+    bifurcation = lm.equilibrium_path(system, until=0.22, arc=lm.ArcLength(first=0.1, largest=0.003)).critical_points[0]
+    assert bifurcation.kind == "bifurcation"
+    crooked = bifurcation.imperfection(1e-3 * 6.35e-3)
+    long, short = (
+        lm.equilibrium_path(system, until=0.9, imperfection=crooked, arc=lm.ArcLength(first=0.1, largest=largest))
+        for largest in (0.004, 0.0016)
+    )
+    assert long.statistics.rejected > 0
+    assert long.critical_points[0].factor == pytest.approx(short.critical_points[0].factor, rel=1e-3)

@@ -54,7 +54,7 @@ class ArcLength:
             newton: solves the equations of a step.
             point: an equilibrium.
             until: load factor of the end; below that of ``point`` the load falls at first.
-            record: receives every new equilibrium.
+            record: receives every new equilibrium; a step to another path is repeated with half its length.
             leaving: the point of the path before ``point``, which decides the sense at the start.
         """
         path = _Path(self, newton, upwards=until >= (point if leaving is None else leaving).factor)
@@ -70,18 +70,20 @@ class ArcLength:
                 radius = start = min(self.first * path.length(direction, 1.0), self.largest)
                 if leaving is not None:
                     radius = start = min(self.largest, 2.0 * path.length(point.u - leaving.u, point.factor - leaving.factor))
-            iterations, new = 0, None
-            while new is None:
+            while True:
                 iterations, new = path.step(point, direction, radius)
-                if new is None:
-                    newton.statistics.rejected += 1
-                    radius *= 0.5
-                    if radius < self.smallest * start:
-                        return Outcome(Cause.NOT_CONVERGED, point.factor, until, self._given_up(radius, start))
+                if new is not None and (path.beyond(new.factor, until) or new.factor == until):
+                    end = self._finish(path, point, direction, (radius, new), until, record)
+                    if end is not None:
+                        newton.statistics.steps += 1
+                        return end
+                elif new is not None and record(new, path.between(point, direction, radius)):
+                    break
+                newton.statistics.rejected += 1
+                radius *= 0.5
+                if radius < self.smallest * start:
+                    return Outcome(Cause.NOT_CONVERGED, point.factor, until, self._given_up(radius, start))
             newton.statistics.steps += 1
-            if path.beyond(new.factor, until) or new.factor == until:
-                return self._finish(path, point, direction, (radius, new), until, record)
-            record(new, path.between(point, direction, radius))
             path.remember(point, new)
             point = new
             radius = min(radius * float(np.clip((self.wanted / iterations) ** 0.5, 0.5, 2.0)), self.largest)
@@ -103,8 +105,8 @@ class ArcLength:
         beyond: tuple[float, Point],
         until: float,
         record: Record,
-    ) -> Outcome:
-        """Land on the load factor asked for, between the last two points.
+    ) -> Outcome | None:
+        """Land on the load factor asked for, between the last two points; None where that lies on another path.
 
         The arc length is shortened by regula falsi until the load factor nearly fits, and only then held: from afar, Newton's
         iteration at a fixed load may fall onto another branch.
@@ -127,11 +129,13 @@ class ArcLength:
         predicted, most = nearest.copy(), path.newton.newton.options.max_iterations
         iterations, last = path.newton.solve(predicted, nearest, lambda at: (at.factor - until, none, 1.0), most)
         if last is None or path.length(last.u - nearest.u, 0.0) > beyond[0]:
-            record(beyond[1], path.between(point, direction, beyond[0]))
+            if not record(beyond[1], path.between(point, direction, beyond[0])):
+                return None
             detail = f"the path was passed beyond its end, where Newton's method found nothing in {iterations} iterations"
             return Outcome(Cause.NOT_CONVERGED, beyond[1].factor, until, detail)
         last.factor = until
-        record(last, path.between(point, direction, path.length(last.u - point.u, last.factor - point.factor)))
+        if not record(last, path.between(point, direction, path.length(last.u - point.u, last.factor - point.factor))):
+            return None
         return Outcome(Cause.COMPLETED, until, until)
 
 

@@ -17,8 +17,9 @@ Condition = Callable[[Point], tuple[float, Floats, float]]
 """g at a point with its derivatives by u and by the load factor."""
 Between = Callable[[float], Point | None]
 """The equilibrium at a share 0 to 1 of the way from one point of a path to the next; None where it is not found."""
-Record = Callable[[Point, Between | None], None]
-"""Receives a new point of a path, and how to find those between it and the one before."""
+Record = Callable[[Point, Between | None], bool]
+"""Receives a new point of a path, and how to find those between it and the one before; False where there are none, because the
+point lies on another path, and it was not taken."""
 
 
 class BorderedNewton:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +19,8 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.bordered import Between
 
+WIDE = 1e-2
+"""Share of a step: where equilibria between two points are lost in an interval wider than this, they lie on two paths."""
 TOLERANCE = 1e-6
 """Share of the step between two points of a path to which a critical point is located."""
 ALONG_LOAD = 1e-4
@@ -57,9 +58,12 @@ class CriticalSearch:
         self._weights = 1.0 / equations.magnitude
         self.at_point = False
         """Whether the linear solver holds the stiffness at the last point."""
+        self.jumped = False
+        """Whether no path was found between the last two points, although an eigenvalue has changed its sign between them."""
 
     def begin(self, point: Point) -> None:
         """Start from an equilibrium."""
+        self.jumped = False
         negative = self._negative(point)
         self.at_point = negative is not None
         self._last = None if negative is None else (point, negative)
@@ -79,6 +83,7 @@ class CriticalSearch:
         self._last = point, negative
         if last is None or last[1] == negative:
             return []
+        self.jumped = False
         found = self._located(_Place(0.0, last[0], last[1]), _Place(1.0, point, negative), between)
         return [self._described(place, behind, shape, at) for place, behind, shape in found]
 
@@ -104,9 +109,13 @@ class CriticalSearch:
             seen.append((float(values[0]), place, shapes[:, 0]))
             return float(values[0])
 
-        with suppress(_LostError, SingularSystemError, ValueError):  # what was found until then lies nearest
+        try:
             brentq(eigenvalue, low.share, high.share, xtol=TOLERANCE)
-        if not seen:
+        except _LostError:
+            self.jumped = self.jumped or _bracket(seen) > WIDE
+        except (SingularSystemError, ValueError):
+            pass  # what was found until then lies nearest
+        if not seen or self.jumped:
             return []
         _, nearest, shape = min(seen, key=lambda item: abs(item[0]))
         place = _Place(nearest.share, _between(seen) or nearest.point, low.negative)
@@ -160,6 +169,13 @@ class CriticalSearch:
         q_shape *= 1.0 if q_shape[np.argmax(np.abs(q_shape))] > 0 else -1.0
         where, counts = at(place.share, point), (place.negative, behind)
         return CriticalPoint(point.factor, where, kind, counts, q_shape, equations.state(point))
+
+
+def _bracket(seen: list[tuple[float, _Place, Floats]]) -> float:
+    """Share of the step between the nearest places on both sides of the change of sign."""
+    above = [place.share for value, place, _ in seen if value >= 0.0]
+    below = [place.share for value, place, _ in seen if value < 0.0]
+    return min((abs(a - b) for a in above for b in below), default=1.0)
 
 
 def _between(seen: list[tuple[float, _Place, Floats]]) -> Point | None:
