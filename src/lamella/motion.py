@@ -25,12 +25,8 @@ from lamella.system import System
 
 GROWN = 0.05
 """Share of the largest energy by which the balance may end above zero before the outcome warns; sums over long steps err too."""
-SAFETY = 0.9
-"""Share of the step that the error estimate would allow."""
 BEFORE_JUMP = 1e-9
 """Share of the step by which the last one before a jump stays short of it, so that it does not feel what begins there."""
-GROWTH = (0.2, 2.0)
-"""Smallest and largest change of the step from one to the next."""
 VIOLATED = 1e-6
 """Violation of a constraint, relative to the size of the bodies, that is no rounding of the constraints it follows from."""
 KEEP_STEP = 1.2
@@ -170,7 +166,7 @@ class _March:
         return Outcome(Cause.COMPLETED, self.t, self.t_end)
 
     def _advance(self, stop: float) -> Outcome | None:
-        dt = self.integrator.dt
+        dt = self.stepper.first_step(self.integrator.dt)
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
@@ -181,7 +177,7 @@ class _March:
             adaptive = self.integrator.tolerance is not None
             if outcome.point is None or (adaptive and outcome.error > 1.0):
                 self.statistics.rejected += 1
-                dt = trial * (0.5 if outcome.point is None else self._factor(outcome.error))
+                dt = trial * (0.5 if outcome.point is None else outcome.growth)
                 if dt < self.integrator.dt_min:
                     return self._given_up(trial, outcome)
                 continue
@@ -192,6 +188,11 @@ class _March:
             self.state = self.equations.state(point)
             self.equations.model.settle(self.state)
             self.recorder.sample(self.t, self.state)
+            if adaptive:
+                factor = outcome.growth
+                dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
+            elif dt < self.integrator.dt:
+                dt = min(outcome.growth * dt, self.integrator.dt)  # a step cut after a failure grows back
             if triggers:
                 for trigger in triggers:
                     if trigger.act is not None:
@@ -200,11 +201,7 @@ class _March:
                 if ending:
                     return Outcome(Cause.EVENT, self.t, self.t_end, ending[0])
                 self._restart()
-            if adaptive:
-                factor = self._factor(outcome.error)
-                dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
-            elif dt < self.integrator.dt:
-                dt = min(2.0 * dt, self.integrator.dt)  # a step cut after a failure grows back
+                dt = self.stepper.first_step(dt)
         return None
 
     def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
@@ -213,11 +210,6 @@ class _March:
         if outcome.point is not None:
             cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
         return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
-
-    def _factor(self, error: float) -> float:
-        """Change of the step for a local error of order dt^(order + 1)."""
-        wanted = SAFETY * max(error, 1e-10) ** (-1.0 / (self.integrator.order + 1))
-        return float(np.clip(wanted, *GROWTH))
 
     def _restart(self) -> None:
         """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""
