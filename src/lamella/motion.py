@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from math import ceil
+from math import ceil, floor
 
 import numpy as np
 
@@ -41,6 +41,7 @@ def simulate(
     t_start: float = 0.0,
     initial: State | None = None,
     frames: int = 100,
+    every: float | None = None,
     sinks: Sequence[Sink] = (),
     progress: bool = False,
     solver: Method = "auto",
@@ -55,6 +56,8 @@ def simulate(
         t_start: time of the initial state [s].
         initial: positions and velocities to start from, for example ``equilibrium(...).final``; the reference otherwise.
         frames: number of equally spaced configurations kept for pictures.
+        every: record at multiples of this interval [s] too, besides the steps: interpolated with the order of the method, so
+            that long steps give smooth curves. Positions, velocities and accelerations are as accurate as those of the steps.
         sinks: receive the solution while it runs, for example a result file.
         progress: show a progress bar with the time to go.
         solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.
@@ -70,6 +73,8 @@ def simulate(
     """
     if not t_end > t_start:
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
+    if every is not None and not every > 0.0:
+        raise DeclarationError("simulate", f"every = {every}", "accepted is a positive interval [s], or None for the steps alone")
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
@@ -94,7 +99,7 @@ def simulate(
         state = equations.state(point)
         model.settle(state)
         stepper.restart(point)
-        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
+        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear, every)
         outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
@@ -137,9 +142,11 @@ class _March:
         statistics: Statistics,
         t_end: float,
         linear: LinearSolver,
+        every: float | None = None,
     ) -> None:
         self.equations, self.stepper, self.integrator = equations, stepper, integrator
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
+        self.every = every
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
 
     def run(self, t: float, state: State) -> Outcome:
@@ -184,6 +191,7 @@ class _March:
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
             point = self.stepper.accept()
             self.statistics.steps += 1
+            self._sample_between(self.t, point.t)
             self.t = stop if count == 1 and length == trial else point.t
             self.state = self.equations.state(point)
             self.equations.model.settle(self.state)
@@ -203,6 +211,16 @@ class _March:
                 self._restart()
                 dt = self.stepper.first_step(dt)
         return None
+
+    def _sample_between(self, before: float, after: float) -> None:
+        """Record at the times asked for within the step just accepted."""
+        if self.every is None:
+            return
+        start, close = self.recorder.start, 1e-9 * (after - before)
+        first = floor((before + close - start) / self.every) + 1
+        last = ceil((after - close - start) / self.every) - 1
+        for t in start + self.every * np.arange(first, last + 1):
+            self.recorder.sample(float(t), self.equations.state(self.stepper.between(float(t))))
 
     def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
         """The end at the smallest step, by Newton or by the error estimate."""
