@@ -66,7 +66,7 @@ class BDF(Integrator):
             temperatures relative to theirs); None for steps of fixed size, which begin with ever longer ones from
             dt / 4^max_order on.
         max_order: highest order, 1 to 5.
-        dt_min: smallest step a rejected one is cut to [s]; dt / 2^30 when left out.
+        dt_min: smallest step a rejected one is cut to [s]; dt / 2^16 when left out.
         dt_max: largest step under error control [s]; unlimited when left out.
         newton: how each step is solved.
     """
@@ -81,7 +81,7 @@ class BDF(Integrator):
 
     def __post_init__(self) -> None:
         if self.dt_min == 0.0:
-            object.__setattr__(self, "dt_min", self.dt / 2**30)
+            object.__setattr__(self, "dt_min", self.dt / 2**16)
 
     def stepper(self, equations: Equations, statistics: Statistics, solver: Method = "auto") -> BDFStepper:
         """A stepper for these equations."""
