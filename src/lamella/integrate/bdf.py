@@ -193,8 +193,8 @@ class BDFStepper(Stepper):
         """By the polynomial through the new point and as many before it as its order."""
         used = self.past[: self._last[1] + 1]
         weights, _ = polynomial_weights(np.array([point.t for point in used]), t)
-        vectors = [np.array([getattr(point, name) for point in used]) for name in ("u", "ud", "udd", "lam")]
-        return Point(t, *(weights @ vector for vector in vectors))
+        u, ud, udd, lam = (weights @ np.array([getattr(point, name) for point in used]) for name in ("u", "ud", "udd", "lam"))
+        return Point(t, u, ud, udd, lam)
 
 
 def _earlier(point: Point, dt: float) -> Point:

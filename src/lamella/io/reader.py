@@ -120,7 +120,7 @@ class Reader:
         alone = list(alike.values()).count(alike[best]) == 1
         if alike[best] > 0 and alone and len(classes) <= 3:  # a lamina or an isotropic material is told by its keys
             return best
-        if usual in classes and alike[usual] == alike[best]:
+        if usual is not None and alike.get(usual) == alike[best]:
             return usual
         self._fail(place, f"'{min(keys)}' is missing; accepted are {', '.join(sorted(tags))}")
         return None

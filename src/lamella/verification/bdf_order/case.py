@@ -28,7 +28,9 @@ def on_a_spring() -> lm.System:
     system = lm.System()
     ground = system.add(lm.Ground())
     body = system.add(lm.RigidBody("ball", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, 1.0)))
-    system.add(lm.SpringDamper("spring", ground.marker("o", 0, 0, -4.0), body.origin, stiffness=50.0, rest_length=4.9))
+    system.add(
+        lm.SpringDamper("spring", ground.marker("o", 0, 0, -4.0), body.origin, stiffness=50.0, rest_length=lm.Constant(4.9))
+    )
     return system
 
 
