@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from lamella.body.shape import Sphere as Sphere
     from lamella.body.shell import Shell as Shell
     from lamella.critical import CriticalPoint as CriticalPoint
+    from lamella.integrate.bdf import BDF as BDF
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
     from lamella.joint.clamp import Clamp as Clamp
@@ -108,6 +109,7 @@ _HOME = {
     "body.plate": ("Edge", "Plate"),
     "stability": ("Buckling", "buckling"),
     "critical": ("CriticalPoint",),
+    "integrate.bdf": ("BDF",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
     "io.results": ("read_result",),
     "body.rigid": ("RigidBody",),

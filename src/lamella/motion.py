@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from math import ceil
+from math import ceil, floor
 
 import numpy as np
 
@@ -25,12 +25,8 @@ from lamella.system import System
 
 GROWN = 0.05
 """Share of the largest energy by which the balance may end above zero before the outcome warns; sums over long steps err too."""
-SAFETY = 0.9
-"""Share of the step that the error estimate would allow."""
 BEFORE_JUMP = 1e-9
 """Share of the step by which the last one before a jump stays short of it, so that it does not feel what begins there."""
-GROWTH = (0.2, 2.0)
-"""Smallest and largest change of the step from one to the next."""
 VIOLATED = 1e-6
 """Violation of a constraint, relative to the size of the bodies, that is no rounding of the constraints it follows from."""
 KEEP_STEP = 1.2
@@ -45,6 +41,7 @@ def simulate(
     t_start: float = 0.0,
     initial: State | None = None,
     frames: int = 100,
+    every: float | None = None,
     sinks: Sequence[Sink] = (),
     progress: bool = False,
     solver: Method = "auto",
@@ -59,6 +56,8 @@ def simulate(
         t_start: time of the initial state [s].
         initial: positions and velocities to start from, for example ``equilibrium(...).final``; the reference otherwise.
         frames: number of equally spaced configurations kept for pictures.
+        every: record at multiples of this interval [s] too, besides the steps: interpolated with the order of the method, so
+            that long steps give smooth curves. Positions, velocities and accelerations are as accurate as those of the steps.
         sinks: receive the solution while it runs, for example a result file.
         progress: show a progress bar with the time to go.
         solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.
@@ -74,6 +73,8 @@ def simulate(
     """
     if not t_end > t_start:
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
+    if every is not None and not every > 0.0:
+        raise DeclarationError("simulate", f"every = {every}", "accepted is a positive interval [s], or None for the steps alone")
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
@@ -98,7 +99,7 @@ def simulate(
         state = equations.state(point)
         model.settle(state)
         stepper.restart(point)
-        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear)
+        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear, every)
         outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
@@ -141,9 +142,11 @@ class _March:
         statistics: Statistics,
         t_end: float,
         linear: LinearSolver,
+        every: float | None = None,
     ) -> None:
         self.equations, self.stepper, self.integrator = equations, stepper, integrator
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
+        self.every = every
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
 
     def run(self, t: float, state: State) -> Outcome:
@@ -170,7 +173,7 @@ class _March:
         return Outcome(Cause.COMPLETED, self.t, self.t_end)
 
     def _advance(self, stop: float) -> Outcome | None:
-        dt = self.integrator.dt
+        dt = self.stepper.first_step(self.integrator.dt)
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
@@ -181,17 +184,23 @@ class _March:
             adaptive = self.integrator.tolerance is not None
             if outcome.point is None or (adaptive and outcome.error > 1.0):
                 self.statistics.rejected += 1
-                dt = trial * (0.5 if outcome.point is None else self._factor(outcome.error))
+                dt = trial * (0.5 if outcome.point is None else outcome.growth)
                 if dt < self.integrator.dt_min:
                     return self._given_up(trial, outcome)
                 continue
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
             point = self.stepper.accept()
             self.statistics.steps += 1
+            self._sample_between(self.t, point.t)
             self.t = stop if count == 1 and length == trial else point.t
             self.state = self.equations.state(point)
             self.equations.model.settle(self.state)
             self.recorder.sample(self.t, self.state)
+            if adaptive:
+                factor = outcome.growth
+                dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
+            elif dt < self.integrator.dt:
+                dt = min(outcome.growth * dt, self.integrator.dt)  # a step cut after a failure grows back
             if triggers:
                 for trigger in triggers:
                     if trigger.act is not None:
@@ -200,12 +209,18 @@ class _March:
                 if ending:
                     return Outcome(Cause.EVENT, self.t, self.t_end, ending[0])
                 self._restart()
-            if adaptive:
-                factor = self._factor(outcome.error)
-                dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
-            elif dt < self.integrator.dt:
-                dt = min(2.0 * dt, self.integrator.dt)  # a step cut after a failure grows back
+                dt = self.stepper.first_step(dt)
         return None
+
+    def _sample_between(self, before: float, after: float) -> None:
+        """Record at the times asked for within the step just accepted."""
+        if self.every is None:
+            return
+        start, close = self.recorder.start, 1e-9 * (after - before)
+        first = floor((before + close - start) / self.every) + 1
+        last = ceil((after - close - start) / self.every) - 1
+        for t in start + self.every * np.arange(first, last + 1):
+            self.recorder.sample(float(t), self.equations.state(self.stepper.between(float(t))))
 
     def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
         """The end at the smallest step, by Newton or by the error estimate."""
@@ -213,11 +228,6 @@ class _March:
         if outcome.point is not None:
             cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
         return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
-
-    def _factor(self, error: float) -> float:
-        """Change of the step for a local error of order dt^(order + 1)."""
-        wanted = SAFETY * max(error, 1e-10) ** (-1.0 / (self.integrator.order + 1))
-        return float(np.clip(wanted, *GROWTH))
 
     def _restart(self) -> None:
         """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""

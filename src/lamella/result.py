@@ -123,6 +123,10 @@ class Outcome:
         return f"stopped at {self.reached:g}{of}: {self.cause.value}" + (f" ({self.detail})" if self.detail else "")
 
 
+STEPS_OF_ORDER = "steps_of_order_"
+"""Begin of the name of the count of steps with one order."""
+
+
 @dataclass
 class Statistics:
     """Counts of the work done; none but the times depends on the machine."""
@@ -136,11 +140,16 @@ class Statistics:
     solves: int = 0
     negative_pivots: int = 0
     """Negative eigenvalues of the stiffness at a static solution: above 0 the equilibrium is unstable."""
+    steps_of_order: dict[int, int] = field(default_factory=dict)
+    """Steps taken with each order of a method whose order varies."""
     seconds_compile: float = 0.0
     seconds_run: float = 0.0
 
     def as_dict(self) -> dict[str, float]:
-        return asdict(self)
+        """All counts, with one for each order."""
+        counts = asdict(self)
+        orders = counts.pop("steps_of_order")
+        return counts | {f"{STEPS_OF_ORDER}{order}": orders[order] for order in sorted(orders)}
 
 
 class Sink(Protocol):

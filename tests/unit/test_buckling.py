@@ -265,7 +265,7 @@ def test_snap_back_ends_displacement_control_with_a_hint_and_keeps_what_was_foun
 
 
 def test_a_step_onto_another_path_is_taken_back():
-    """Beside a bifurcation of a roof a long step of the arc length lands on the upper, disconnected path of the imperfect roof."""
+    """Beside the bifurcation a long step of the arc length lands on the upper, disconnected path of an imperfect roof."""
     system, _ = roof(6.35, "[0/90/0]", 8)
     bifurcation = lm.equilibrium_path(system, until=0.22, arc=lm.ArcLength(first=0.1, largest=0.003)).critical_points[0]
     assert bifurcation.kind == "bifurcation"

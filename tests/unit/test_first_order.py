@@ -71,14 +71,14 @@ def test_steps_of_unlike_length_scale_the_last_change():
     assert rule.error(0.2, np.array([1.9]))[0] == pytest.approx(0.2 / 12 * 0.3)
 
 
-def cooled(tolerance, t_end=400.0):
+def cooled(tolerance=None, t_end=400.0, options=None):
     """A plate of 400 K at rest in air of 300 K, whose temperature relaxes with rho c h / (2 h_c) = 90 s."""
     sheet = lm.Laminate(lm.Isotropic(E=1e9, nu=0.3, rho=2000.0, k=1.5, c=900.0), thickness=0.01)
     system = lm.System()
     plate = system.add(lm.Plate("plate", (0.2, 0.1), (2, 1), sheet, strain="rigid"))
     system.add(lm.TemperatureField("heat", plate, reference=300.0, initial=400.0))
     system.add(lm.Film("air", plate, 100.0, 300.0))
-    options = lm.GeneralizedAlpha(dt=0.05, tolerance=tolerance, rho_inf=0.8)
+    options = options or lm.GeneralizedAlpha(dt=0.05, tolerance=tolerance, rho_inf=0.8)
     result = lm.simulate(system, t_end, options)
     error = result["heat.mean"].values - (300.0 + 100.0 * np.exp(-result.at / 90.0))
     return result, float(np.abs(error).max())

@@ -589,3 +589,21 @@ def test_schema_takes_a_table_with_points_or_with_a_file() -> None:
     table = json_schema()["$defs"]["Table"]
     assert table["properties"]["file"]["type"] == "string"
     assert [set(way["required"]) for way in table["oneOf"]] == [{"times", "values"}, {"file"}]
+
+
+def test_integrator_is_told_by_its_type_or_its_keys_and_is_the_usual_one_otherwise() -> None:
+    def integrator(text: str) -> lm.BDF | lm.GeneralizedAlpha:
+        return loads(changed("{dt: 1 ms, rho_inf: 0.8}", text)).analyses[1].integrator
+
+    assert integrator("{type: bdf, dt: 2 ms, max_order: 3}") == lm.BDF(dt=2e-3, max_order=3)
+    assert integrator("{dt: 2 ms, max_order: 3}") == lm.BDF(dt=2e-3, max_order=3)
+    assert integrator("{dt: 2 ms}") == lm.GeneralizedAlpha(dt=2e-3)
+    assert integrator("{type: generalized_alpha, dt: 2 ms}") == lm.GeneralizedAlpha(dt=2e-3)
+    with pytest.raises(ModelFileError, match="max_order"):
+        integrator("{type: bdf, dt: 2 ms, max_order: 6}")
+
+
+def test_interval_of_recording_is_read() -> None:
+    model = loads(changed("start: still}\n  modes", "start: still, every: 5 ms}\n  modes"))
+    assert model.analyses[1].every == 5e-3
+    assert "every" in refused(changed("start: still}\n  modes", "start: still, every: 0 s}\n  modes"))

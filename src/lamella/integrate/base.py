@@ -5,11 +5,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+import numpy as np
+
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.result import Statistics
 from lamella.solve.linear import Method
 from lamella.solve.newton import NewtonReport
+
+SAFETY = 0.9
+"""Share of the step that the error estimate would allow."""
+GROWTH = (0.2, 2.0)
+"""Smallest and largest change of the step from one to the next."""
 
 
 @dataclass(frozen=True)
@@ -20,11 +27,20 @@ class StepOutcome:
         report: how Newton's iteration ended.
         point: the new point, None when not converged.
         error: estimated local error relative to the tolerance (at most 1 is good), 0.0 when it was not asked for.
+        growth: change of the step that the error allows: for the next one, or for another try of one with an error above 1.
+            Without an error estimate it tells how fast a step that was cut grows back.
     """
 
     report: NewtonReport
     point: Point | None
     error: float = 0.0
+    growth: float = GROWTH[1]
+
+
+def allowed_growth(error: float, order: int) -> float:
+    """Change of the step that brings a local error of order dt^(order + 1), relative to the tolerance, just below 1."""
+    wanted = SAFETY * max(error, 1e-10) ** (-1.0 / (order + 1))
+    return float(np.clip(wanted, *GROWTH))
 
 
 class Stepper(ABC):
@@ -34,6 +50,7 @@ class Stepper(ABC):
     2. ``step`` tries to go from the last accepted point to t + dt; it changes nothing but what ``accept`` needs, so that a
        rejected step may be tried again with another dt.
     3. ``accept`` makes the last converged step final.
+    4. ``between`` interpolates within the last accepted step.
     """
 
     statistics: Statistics
@@ -42,6 +59,10 @@ class Stepper(ABC):
     def restart(self, point: Point) -> None:
         """Start from a consistent point."""
 
+    def first_step(self, dt: float) -> float:
+        """The step to begin with after a restart [s], where dt is the one meant for the long run."""
+        return dt
+
     @abstractmethod
     def step(self, dt: float) -> StepOutcome:
         """Try a step of dt [s]."""
@@ -49,6 +70,10 @@ class Stepper(ABC):
     @abstractmethod
     def accept(self) -> Point:
         """Make the last converged step final and return its point."""
+
+    @abstractmethod
+    def between(self, t: float) -> Point:
+        """The point at a time within the last accepted step, by interpolation with the order of the method."""
 
 
 class Integrator(ABC):
@@ -62,7 +87,6 @@ class Integrator(ABC):
     dt_min: float
     dt_max: float
     tolerance: float | None
-    order: int
 
     @abstractmethod
     def stepper(self, equations: Equations, statistics: Statistics, solver: Method) -> Stepper:

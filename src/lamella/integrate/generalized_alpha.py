@@ -10,14 +10,15 @@ from pydantic import Field
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
 from lamella.declaration import declaration
-from lamella.integrate.base import Integrator, StepOutcome, Stepper
+from lamella.integrate.base import Integrator, StepOutcome, Stepper, allowed_growth
+from lamella.integrate.change import ChangeSize, refuse_folding
 from lamella.integrate.first_order import FirstOrderRule
 from lamella.integrate.stabilised import StabilisedEquations
 from lamella.integrate.staggered import StaggeredNewton
-from lamella.result import Cause, Statistics
+from lamella.result import Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
-from lamella.solve.newton import Newton, NewtonReport, NewtonSolver
+from lamella.solve.newton import Newton, NewtonSolver
 from lamella.units import quantity
 
 if TYPE_CHECKING:
@@ -31,10 +32,6 @@ DYNAMIC_NEWTON = Newton(tolerance=1e-6, max_iterations=50, keep=0.6)
 """A factorisation serves as long as it brings the error down well: an iteration without a new one costs a tenth of one with it.
 On swinging plates this takes up to twice the iterations of Newton's method proper, and a third to an eleventh of its
 factorisations."""
-
-LARGEST_TURN = 1.0
-"""Largest change of a slope in one step [rad]. The equations of a long step have further solutions in which elements are folded
-over, with slopes changed by 1 to 2; Newton may land on one after many iterations."""
 
 
 @declaration
@@ -86,8 +83,6 @@ class GeneralizedAlpha(Integrator):
     coupling: Literal["monolithic", "staggered"] = "monolithic"
     type: Literal["generalized_alpha"] = "generalized_alpha"
 
-    order = 2
-
     def __post_init__(self) -> None:
         if self.dt_min == 0.0:
             object.__setattr__(self, "dt_min", self.dt / 1024)
@@ -116,11 +111,8 @@ class GeneralizedAlphaStepper(Stepper):
             self.linear = linear_solver(equations.matrix.pattern, solver)
             self.newton = NewtonSolver(form, self.linear, options.newton, statistics)
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
-        chosen = equations.model.is_position[equations.elimination.independent[:n] // 3]
-        self.positions = chosen if chosen.any() else ~chosen  # errors are displacements; slopes would weigh short waves too much
-        is_slope = ~np.repeat(equations.model.is_position, 3)[equations.elimination.independent[:n]]
+        self.change = ChangeSize(equations)
         self._per_size = 1.0 / equations.magnitude[:n]
-        self._slopes, self._slope_size = np.flatnonzero(is_slope), equations.magnitude[:n][is_slope]
 
     def restart(self, point: Point) -> None:
         """Start from a consistent point: the algorithmic acceleration is the true one."""
@@ -158,10 +150,7 @@ class GeneralizedAlphaStepper(Stepper):
         report = self.newton.solve(new, weights, self.q)
         if self.stabilised and report.converged:
             new = self.stabilised.finished(new)
-        turn = float(np.max(np.abs(new.u - old.u)[self._slopes] / self._slope_size, initial=0.0))
-        if report.converged and turn > LARGEST_TURN:
-            detail = f"the step ended at another solution, in which a slope has changed by {turn:.1f}"
-            report = NewtonReport(Cause.NOT_CONVERGED, report.iterations, report.size, detail)
+        report = refuse_folding(report, self.change.turn(new.u - old.u))
         if not report.converged:
             self._new = None
             return StepOutcome(report, None)
@@ -173,14 +162,12 @@ class GeneralizedAlphaStepper(Stepper):
         self._new = new, a_new, s_new, dt, smooth
         if self.options.tolerance is None:
             return StepOutcome(report, new)
-        error = self._error(dt, a_new - a, weights)
-        if len(s_new):
-            local = self.fields.error(dt, s_new) / self.equations.magnitude[n:]
-            error = max(error, float(np.sqrt(np.mean(local**2))) / self.options.tolerance)
-        return StepOutcome(report, new, error)
+        local = np.concatenate([self._local_error(dt, a_new - a, weights), self.fields.error(dt, s_new)])
+        error = self.change.error(local) / self.options.tolerance
+        return StepOutcome(report, new, error, allowed_growth(error, 2))
 
-    def _error(self, dt: float, change: Floats, weights: Weights) -> float:
-        """Local error of motion relative to the tolerance, from the change of the algorithmic acceleration.
+    def _local_error(self, dt: float, change: Floats, weights: Weights) -> Floats:
+        """Local error of the coordinates of motion, from the change of the algorithmic acceleration.
 
         The first term that the update of q leaves out is (beta - 1/6) dt^2 (a' - a) (Zienkiewicz and Xie 1991). In modes much
         faster than the step it is large although they hardly move, so it is filtered by (alpha_a M + K)^-1 alpha_a M, which keeps
@@ -190,13 +177,23 @@ class GeneralizedAlphaStepper(Stepper):
         inertia = weights.alpha_a * self.equations.inertia_force(local)
         filtered, _ = self.linear.solve(inertia[: self.linear.pattern.n], np.zeros(self.equations.n_lam))
         self.statistics.solves += 1
-        moved = (filtered[: self.n] / self.equations.magnitude[: self.n])[self.positions]
-        return float(np.sqrt(np.mean(moved**2))) / (self.options.tolerance or 1.0)
+        return filtered[: self.n]
 
     def accept(self) -> Point:
         """Make the step final."""
         assert self._new is not None, "accept follows a converged step"
+        self._before = self.point
         self.point, self.a, s, dt, self._smooth = self._new
         self.fields.accept(dt, s)
         self.q = self.equations.coordinates(self.point)
         return self.point
+
+    def between(self, t: float) -> Point:
+        """Cubic Hermite interpolation of coordinates, linear of all else: errors of dt^4 and dt^2."""
+        old, new = self._before, self.point
+        dt = new.t - old.t
+        x = (t - old.t) / dt
+        y = 1.0 - x
+        u = y**2 * (1 + 2 * x) * old.u + x**2 * (1 + 2 * y) * new.u + dt * x * y * (y * old.ud - x * new.ud)
+        ud, udd, lam = (y * a + x * b for a, b in ((old.ud, new.ud), (old.udd, new.udd), (old.lam, new.lam)))
+        return Point(t, u, ud, udd, lam)

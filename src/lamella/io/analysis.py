@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -20,7 +20,12 @@ from lamella.result import Result, Sink
 from lamella.shapes import Shapes
 from lamella.signals import system_signals
 from lamella.state import State
-from lamella.units import Number, Positive, Time
+from lamella.units import Number, Positive, Time, quantity
+
+if TYPE_CHECKING:
+    Interval = float
+else:
+    Interval = quantity("s", gt=0)
 
 Computed = Result | Shapes
 Count = Annotated[int, Field(ge=1)]
@@ -83,6 +88,7 @@ class Motion(Analysis):
         integrator: method and step.
         t_start: time at the start [s].
         start: name of an earlier analysis whose last state is the initial one; the reference configuration when left out.
+        every: interval at which is recorded too, besides the steps; the steps alone when left out.
     """
 
     axis: ClassVar[str] = "time"
@@ -91,6 +97,7 @@ class Motion(Analysis):
     integrator: Integrator = GeneralizedAlpha(1e-3)
     t_start: Time = 0.0
     start: str | None = None
+    every: Interval | None = None
 
     def __post_init__(self) -> None:
         """Refuse an end before the start."""
@@ -113,6 +120,7 @@ class Motion(Analysis):
             t_start=self.t_start,
             initial=initial,
             frames=frames,
+            every=self.every,
             sinks=sinks,
             on_failure="return",
         )

@@ -41,8 +41,8 @@ class Reader:
     def __init__(self, document: Document, lookup: Lookup) -> None:
         self.document, self.lookup = document, lookup
 
-    def value(self, annotation: Any, data: Any, place: Place) -> Any:
-        """Read ``data`` as ``annotation`` says."""
+    def value(self, annotation: Any, data: Any, place: Place, usual: Any = None) -> Any:
+        """Read ``data`` as ``annotation`` says; the class of ``usual``, the default, is meant where none is named."""
         allowed = options(annotation)
         if not allowed.structured or data is None:
             return self._plain(annotation, data, place)
@@ -51,7 +51,7 @@ class Reader:
             if found is not None:
                 return found
         if isinstance(data, dict) and allowed.classes:
-            return self.declared(allowed.classes, data, place)
+            return self.declared(allowed.classes, data, place, usual=type(usual))
         if isinstance(data, dict) and allowed.values is not None:
             read = {key: self.value(allowed.values, item, (*place, key)) for key, item in data.items()}
             return FAILED if FAILED in read.values() else read
@@ -63,11 +63,18 @@ class Reader:
             return self._fail(place, f"found {shown(data)}; accepted is {accepted(allowed)}")
         return self._plain(annotation, data, place, accepted(allowed))
 
-    def declared(self, classes: tuple[type, ...], data: Any, place: Place, extra: dict[str, Any] | None = None) -> Any:
+    def declared(
+        self,
+        classes: tuple[type, ...],
+        data: Any,
+        place: Place,
+        extra: dict[str, Any] | None = None,
+        usual: type | None = None,
+    ) -> Any:
         """Read a mapping as the one of ``classes`` its tag says; ``extra`` are fields given elsewhere, such as the name."""
         if not isinstance(data, dict):
             return self._fail(place, f"found {shown(data)}; accepted is a mapping with 'key: value' entries")
-        cls = self._chosen(classes, data, place)
+        cls = self._chosen(classes, data, place, usual)
         if cls is None:
             return FAILED
         if cls is Table and FILE in data:
@@ -80,7 +87,7 @@ class Reader:
         meant: set[str | None] = set()
         for name, item in given.items():
             if name in known:
-                read[name] = self.value(specs[name].annotation, item, (*place, name))
+                read[name] = self.value(specs[name].annotation, item, (*place, name), specs[name].default)
             elif name in extra:
                 self._fail((*place, name), f"the name is the key '{extra[name]}' and is not repeated")
             else:
@@ -93,7 +100,7 @@ class Reader:
             return FAILED
         return self._made(cls, {**extra, **read}, data, place)
 
-    def _chosen(self, classes: tuple[type, ...], data: dict[str, Any], place: Place) -> type | None:
+    def _chosen(self, classes: tuple[type, ...], data: dict[str, Any], place: Place, usual: type | None) -> type | None:
         tags = {tag_of(cls)[1]: cls for cls in classes}
         keys = {tag_of(cls)[0] for cls in classes}
         for key in keys & set(data):
@@ -113,6 +120,8 @@ class Reader:
         alone = list(alike.values()).count(alike[best]) == 1
         if alike[best] > 0 and alone and len(classes) <= 3:  # a lamina or an isotropic material is told by its keys
             return best
+        if usual is not None and alike.get(usual) == alike[best]:
+            return usual
         self._fail(place, f"'{min(keys)}' is missing; accepted are {', '.join(sorted(tags))}")
         return None
 

@@ -10,7 +10,7 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5, read_critical_points, read_events, read_start
-from lamella.result import Cause, Outcome, Result, Statistics
+from lamella.result import STEPS_OF_ORDER, Cause, Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
 
@@ -118,6 +118,9 @@ def _statistics(group: Node) -> Statistics:
     for name, empty in statistics.as_dict().items():
         if name in group:
             setattr(statistics, name, type(empty)(group[name][()]))
+    for name in group:
+        if name.startswith(STEPS_OF_ORDER):
+            statistics.steps_of_order[int(name.removeprefix(STEPS_OF_ORDER))] = int(group[name][()])
     return statistics
 
 

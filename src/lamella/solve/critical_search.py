@@ -115,7 +115,7 @@ class CriticalSearch:
             self.jumped = self.jumped or _bracket(seen) > WIDE
         except (SingularSystemError, ValueError):
             pass  # what was found until then lies nearest
-        if not seen or self.jumped:
+        if not seen:
             return []
         _, nearest, shape = min(seen, key=lambda item: abs(item[0]))
         place = _Place(nearest.share, _between(seen) or nearest.point, low.negative)

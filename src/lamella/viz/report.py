@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lamella.result import STEPS_OF_ORDER
 from lamella.viz.page import render_page, write_page
 
 if TYPE_CHECKING:
@@ -118,5 +119,7 @@ def _statistics_table(results: Mapping[str, Result]) -> Table | None:
     if not results:
         return None
     counts = [result.statistics.as_dict() for result in results.values()]
-    rows = [[label, *(each.get(name, "") for each in counts)] for name, label in STATISTICS.items()]
+    orders = sorted({name for each in counts for name in each if name.startswith(STEPS_OF_ORDER)})
+    labels = STATISTICS | {name: name.replace("_", " ").capitalize() for name in orders}
+    rows = [[label, *(each.get(name, "") for each in counts)] for name, label in labels.items()]
     return Table(["", *results], rows)
