@@ -356,7 +356,7 @@ def test_a_marker_of_a_shell_is_refused():
         DeclarationError, match=r"PlaneContact 'floor': the marker sheet.x-y- is on the same shell; accepted is a Rig"
     ):
         lm.PlaneContact("floor", shell, shell.corner("x-y-"), stiffness=1e7)
-    with pytest.raises(DeclarationError, match="the marker other.x-y- is on a deformable body"):
+    with pytest.raises(DeclarationError, match=r"the marker other\.x-y- is on a deformable body"):
         lm.PlaneContact("floor", shell, other.corner("x-y-"), stiffness=1e7)
 
 

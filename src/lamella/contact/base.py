@@ -54,8 +54,8 @@ class Contact(ContactPair):
         N = k A delta^e (1 + alpha delta') >= 0,
 
     see :mod:`lamella.contact.point` for friction. The result holds ``<name>.force`` [N] and ``.torque`` about the marker [N m] of
-    the shell on the obstacle, ``.normal`` [N], the sum of the normal forces, ``.friction_power`` [W], ``.points``, the number of points
-    that touch, and ``.depth`` [m], the largest one.
+    the shell on the obstacle, ``.normal`` [N], the sum of the normal forces, ``.friction_power`` [W], ``.points``, the number of
+    points that touch, and ``.depth`` [m], the largest one.
 
     Args:
         stiffness: k [N/m^(2 + e)].
@@ -118,7 +118,7 @@ class Contact(ContactPair):
         build.signals.extend(contact_signals(block))
 
     def _check_start(self, build: Build, mesh: PlateMesh, block: ContactBlock) -> None:
-        """Refuse an obstacle that reaches the reference surface: it has passed through the sheet, and would push it out anywhere."""
+        """Refuse an obstacle that reaches the reference surface: deeper in, it would push the sheet out on the other side."""
         q = build.initial.reshape(-1)
         depth = -block.field(q, np.zeros_like(q)).gap
         allowed = block.sheet.half_thickness[:, None]

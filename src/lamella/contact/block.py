@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamella.contact.gap import Obstacle
-from lamella.contact.kernels import DIRECTIONS, FIELDS, TOTALS, Body, advance, force, force_tangent, work_size
+from lamella.contact.kernels import ANCHOR, DIRECTIONS, FIELDS, TOTALS, Body, advance, force, work_size
 from lamella.contact.point import Law
 from lamella.contact.sheet import Sheet
+from lamella.contact.tangent import force_tangent
+from lamella.element.packing import aligned
 from lamella.roles import Floats, ForceBlock, Ints
 
 FIXED = np.concatenate([np.zeros(3), np.eye(3).reshape(-1)])
@@ -64,8 +66,8 @@ class ContactField:
 class ContactBlock(ForceBlock):
     """Contact of the points of a shell with one obstacle; see :mod:`lamella.contact.point` for the law.
 
-    Bristles keep where they hold in the axes of the obstacle's body. It changes with accepted steps only (``settle``), where those
-    beyond mu times the elastic normal force slide to that limit.
+    Bristles keep where they hold in the axes of the obstacle's body. It changes with accepted steps only (``settle``), where
+    those beyond mu times the elastic normal force slide to that limit.
 
     Args:
         name: the declaration's name.
@@ -78,18 +80,19 @@ class ContactBlock(ForceBlock):
     def __init__(self, name: str, sheet: Sheet, obstacle: Obstacle, law: Law, first: int | None) -> None:
         self.name, self.sheet, self.obstacle, self.law = name, sheet, obstacle, law
         self.symmetry = "none" if law.mu > 0.0 else "nearly"
-        slides_viscously = law.mu > 0.0 and (not law.bristle or law.viscous > 0.0)
-        self.depends_on_velocity = law.damping > 0.0 or slides_viscously
+        self.depends_on_velocity = law.damping > 0.0 or law.mu > 0.0
         n_pairs = sheet.n_element * sheet.n_point
-        self._anchors = np.full(3 * n_pairs if law.bristle else 0, np.nan)
-        self._work, self._totals = np.zeros(work_size(sheet)), np.zeros(TOTALS)
+        self._anchors = np.full(ANCHOR * n_pairs if law.bristle else 0, np.nan)
+        self._heat = 0.0
+        self._work, self._totals = aligned(work_size(sheet)), np.zeros(TOTALS)
+        self._points = np.zeros(sheet.n_point, np.int64)
         self._no_field = np.zeros(0)
         self._first = first
         self._list_entries()
         self._aside = np.zeros(len(self.f_coords))
 
     def _list_entries(self) -> None:
-        """Coordinates and factors of the buffers, in the order of :mod:`lamella.contact.kernels`."""
+        """Coordinates and factors of the buffers, in the order of :mod:`lamella.contact.tangent`."""
         sheet = self.sheet
         n, wide, count = sheet.n_vector, sheet.vectors, sheet.n_element
         coords = np.full((count, 3, wide), -1, np.int64)
@@ -143,7 +146,7 @@ class ContactBlock(ForceBlock):
     ) -> None:
         force_tangent(
             q, v, self.depends_on_velocity, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors,
-            alpha_q, alpha_v, self._work, f, k,
+            alpha_q, alpha_v, self._work, self._points, f, k,
         )  # fmt: skip
 
     def totals(self, q: Floats, v: Floats) -> ContactTotals:
@@ -169,7 +172,11 @@ class ContactBlock(ForceBlock):
 
     def settle(self, t: float, q: Floats) -> None:
         if self.law.bristle:
-            advance(q, self._body(q, q), self.sheet, self.obstacle, self.law, self._anchors, self._work)
+            self._heat += advance(q, self._body(q, q), self.sheet, self.obstacle, self.law, self._anchors, self._work)
 
     def reset(self) -> None:
         self._anchors[:] = np.nan
+        self._heat = 0.0
+
+    def heat(self) -> float:
+        return self._heat

@@ -29,7 +29,7 @@ class RegularisedFriction:
 
 @declaration
 class BristleFriction:
-    """Friction that holds: a spring from each point to where it sticks on the obstacle, which slides when it would pull more than mu N.
+    """Friction that holds: a spring from each point to where it sticks, which slides rather than pull more than mu N.
 
     Args:
         stiffness: k_t per area [N/m^3].

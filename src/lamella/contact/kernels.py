@@ -1,13 +1,7 @@
-"""Loops over elements and their points: force, tangent, and the advance of bristles.
+"""Loops over elements and their points: the force, and the advance of bristles.
 
-The tangent is the force differentiated forward, along the 15 coordinates of (s, p, d_1, d_2, d_3) at once, which fill lanes with one
-left over. Elements away from the obstacle are left out by a bound. Buffers (f is force, k is tangent; vectors filled up):
-
-    f    (element, component, vector), then 12 of the body
-    k    (element, component i, component j, vector a, vector b)    d f_ia / d e_jb
-         then, if the body moves, (element, component i, coordinate r, vector a)    d f_ia / d x_r
-                                  (element, coordinate r, component j, vector b)    d f_r / d e_jb
-                                  (coordinate r, 16)                                d f_r / d (s, x, -)
+Elements away from the obstacle are left out by a bound. The buffer of the force holds (element, component, vector), with vectors
+filled up to whole lanes, then the 12 coordinates of the body.
 """
 
 from __future__ import annotations
@@ -18,20 +12,21 @@ import numpy as np
 
 from lamella._jit import inlined, njit
 from lamella.contact.gap import Obstacle, distance
-from lamella.contact.point import Axes, Force, Law, Relative, components, contact, contact_change, tangential, tuple_sum
+from lamella.contact.point import Axes, Force, Law, Relative, components, contact, tangential, weighted
 from lamella.contact.sheet import Sheet, gather, interpolate, near
-from lamella.element.plate48.strain import Vector, combined, combined3, cross, dot, scaled
-from lamella.lane import WIDTH, load_at, spread, store_at
+from lamella.element.plate48.strain import Vector, combined, combined3, cross, dot
+from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats
 
 DIRECTIONS = 16
-"""The coordinates of (s, p, d_1, d_2, d_3), and one to fill up."""
+"""Coordinates along which the tangent is taken: those of (s, p, d_1, d_2, d_3), and one to fill up."""
 TOTALS = 13
 """Force and torque on the body (3 + 3), normal force, power of friction and of damping, energy, points in contact, largest depth,
 points evaluated."""
+ANCHOR = 4
+"""Where the bristle of a point holds, X (3), not a number when nowhere, and its pull at the last accepted step."""
 FIELDS = 8
 """Gap, pressure, slip (3), traction (3) of each point."""
-UNITS = np.eye(DIRECTIONS).reshape(-1)
 
 
 class Body(NamedTuple):
@@ -55,24 +50,24 @@ def _axes(x: Floats) -> Axes:
 def _seen(obstacle: Obstacle, body: Body, s: Vector, sd: Vector, anchors: Floats, pair: int) -> Relative:
     """A point with place s and velocity sd as seen from the obstacle."""
     D, Dd = _axes(body.x), _axes(body.rate)
-    y = combined3(1.0, s, -1.0, _vector(body.x, 0, 1), -1.0, tuple_sum(obstacle.centre, D))
-    yd = combined3(1.0, sd, -1.0, _vector(body.rate, 0, 1), -1.0, tuple_sum(obstacle.centre, Dd))
+    y = combined3(1.0, s, -1.0, _vector(body.x, 0, 1), -1.0, weighted(obstacle.centre, D))
+    yd = combined3(1.0, sd, -1.0, _vector(body.rate, 0, 1), -1.0, weighted(obstacle.centre, Dd))
     X, held = (0.0, 0.0, 0.0), 0.0
-    if anchors.size > 0 and anchors[3 * pair] == anchors[3 * pair]:
-        X, held = _vector(anchors, 3 * pair, 1), 1.0
-    return Relative(y, yd, tuple_sum(obstacle.axis, D), tuple_sum(obstacle.axis, Dd), D, Dd, X, held)
+    if anchors.size > 0 and anchors[ANCHOR * pair] == anchors[ANCHOR * pair]:
+        X, held = _vector(anchors, ANCHOR * pair, 1), 1.0
+    return Relative(y, yd, weighted(obstacle.axis, D), weighted(obstacle.axis, Dd), D, Dd, X, held)
 
 
 @inlined
-def _prepared(
+def prepared(
     q: Floats, v: Floats, moving: bool, body: Body, sheet: Sheet, obstacle: Obstacle, element: int, every: bool, work: Floats
 ) -> bool:
-    """Places and velocities of an element's points in work; False when none can touch."""
+    """Put places and velocities of an element's points in work; False when none can touch."""
     gather(q, sheet, element, work, 0)
     D = _axes(body.x)
-    c = combined(1.0, _vector(body.x, 0, 1), 1.0, tuple_sum(obstacle.centre, D))
+    c = combined(1.0, _vector(body.x, 0, 1), 1.0, weighted(obstacle.centre, D))
     reach = obstacle.radius + sheet.half_thickness[element]
-    if not every and not near(sheet, obstacle, reach, c, tuple_sum(obstacle.axis, D), work, 0):
+    if not every and not near(sheet, obstacle, reach, c, weighted(obstacle.axis, D), work, 0):
         return False
     places = 6 * sheet.n_vector
     interpolate(sheet, work, 0, places)
@@ -83,9 +78,10 @@ def _prepared(
 
 
 @inlined
-def _at_point(
+def at_point(
     body: Body, moving: bool, sheet: Sheet, obstacle: Obstacle, anchors: Floats, element: int, p: int, work: Floats
 ) -> Relative:
+    """A point of the element that is in work, as seen from the obstacle."""
     first = 6 * sheet.n_vector + p
     sd = (0.0, 0.0, 0.0)
     if moving:
@@ -94,12 +90,13 @@ def _at_point(
 
 
 def work_size(sheet: Sheet) -> int:
-    """Numbers of work space: vectors and points of an element with their velocities, and the rows of a point's tangent."""
-    return 6 * sheet.n_vector + 6 * sheet.points + 12 * DIRECTIONS
+    """Numbers of work space: vectors and points of an element with their velocities, and the rows of each point's tangent."""
+    return 6 * sheet.n_vector + 6 * sheet.points + 12 * DIRECTIONS * sheet.n_point
 
 
 @inlined
-def _add_to_element(sheet: Sheet, p: int, h: Vector, f: Floats, first: int) -> None:
+def add_to_element(sheet: Sheet, p: int, h: Vector, f: Floats, first: int) -> None:
+    """Add S_a h of point p."""
     for c in range(3):
         for k in range(0, sheet.vectors, WIDTH):
             at = first + c * sheet.vectors + k
@@ -107,7 +104,8 @@ def _add_to_element(sheet: Sheet, p: int, h: Vector, f: Floats, first: int) -> N
 
 
 @inlined
-def _add_to_body(obstacle: Obstacle, c: Force, f: Floats, first: int) -> None:
+def add_to_body(obstacle: Obstacle, c: Force, f: Floats, first: int) -> None:
+    """Add the forces on p, d_1, d_2, d_3."""
     for k in range(3):
         f[first + k] -= c.h[k]
         for i in range(3):
@@ -125,11 +123,11 @@ def force(
     every = field.size > 0
     end = 3 * sheet.vectors * sheet.n_element
     for element in range(sheet.n_element):
-        if not _prepared(q, v, moving, body, sheet, obstacle, element, every, work):
+        if not prepared(q, v, moving, body, sheet, obstacle, element, every, work):
             continue
         reach = obstacle.radius + sheet.half_thickness[element]
         for p in range(sheet.n_point):
-            rel = _at_point(body, moving, sheet, obstacle, anchors, element, p, work)
+            rel = at_point(body, moving, sheet, obstacle, anchors, element, p, work)
             totals[12] += 1.0
             pair = element * sheet.n_point + p
             apart = distance(obstacle, rel.y, rel.a) - reach
@@ -143,9 +141,9 @@ def force(
                 field[pair * FIELDS] = c.at.g
             if c.at.g >= 0.0:  # beyond the end of a cylinder
                 continue
-            _add_to_element(sheet, p, c.h, f, 3 * sheet.vectors * element)
+            add_to_element(sheet, p, c.h, f, 3 * sheet.vectors * element)
             if obstacle.moves:
-                _add_to_body(obstacle, c, f, end)
+                add_to_body(obstacle, c, f, end)
             _add_totals(law, area, rel, c, totals)
             if every:
                 _show(area, c, field, pair * FIELDS)
@@ -180,7 +178,7 @@ def _add_totals(law: Law, area: float, rel: Relative, c: Force, totals: Floats) 
 def _bristle_energy(law: Law, area: float, rel: Relative, c: Force, rate: float) -> tuple[float, float]:
     """Energy of a bristle, and the power that goes into it: of its stretch, up to where it slides."""
     k = area * law.tangential
-    stretch = tangential(c.unit, combined(1.0, rel.y, -1.0, tuple_sum(rel.X, rel.D)))
+    stretch = tangential(c.unit, combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D)))
     length = rel.held * dot(stretch, stretch) ** 0.5
     if length == 0.0:
         return 0.0, 0.0
@@ -194,133 +192,50 @@ def _bristle_energy(law: Law, area: float, rel: Relative, c: Force, rate: float)
     return 0.5 * k * limit**2, k * limit * widening
 
 
-@inlined
-def _units(r: int, first: int) -> Vector:
-    """Lanes of the unit vectors of coordinates r, r + 1, r + 2 among the directions from ``first`` on."""
-    return (
-        load_at(UNITS, r * DIRECTIONS + first),
-        load_at(UNITS, (r + 1) * DIRECTIONS + first),
-        load_at(UNITS, (r + 2) * DIRECTIONS + first),
-    )
-
-
-@inlined
-def _store3(work: Floats, row: int, u: Vector) -> None:
-    for k in range(3):
-        store_at(work, row + k * DIRECTIONS, u[k])
-
-
-@inlined
-def _rows(
-    obstacle: Obstacle, law: Law, area: float, rel: Relative, c: Force, alpha_q: float, alpha_v: float, work: Floats, rows: int
-) -> None:
-    """Changes of h and of the forces on d_1, d_2, d_3 along all directions, to work[rows:], (12, DIRECTIONS)."""
-    b, alpha = obstacle.centre, obstacle.axis
-    directions = DIRECTIONS if obstacle.moves else 3
-    for first in range(0, directions, WIDTH):
-        D = (_units(6, first), _units(9, first), _units(12, first))
-        y = combined3(1.0, _units(0, first), -1.0, _units(3, first), -1.0, tuple_sum(b, D))
-        a = tuple_sum(alpha, D)
-        dD = (scaled(alpha_q, D[0]), scaled(alpha_q, D[1]), scaled(alpha_q, D[2]))
-        dDd = (scaled(alpha_v, D[0]), scaled(alpha_v, D[1]), scaled(alpha_v, D[2]))
-        dh, df_a, dtau, dY = contact_change(
-            obstacle, law, area, rel, c,
-            scaled(alpha_q, y), scaled(alpha_v, y), scaled(alpha_q, a), scaled(alpha_v, a), dD, dDd,
-        )  # fmt: skip
-        _store3(work, rows + first, dh)
-        for i in range(3):
-            turned = combined(dY[i], c.tau, c.Y[i], dtau)
-            _store3(work, rows + (3 + 3 * i) * DIRECTIONS + first, combined3(-b[i], dh, alpha[i], df_a, -1.0, turned))
-
-
-@inlined
-def _add_element_block(sheet: Sheet, p: int, work: Floats, rows: int, k: Floats, first: int) -> None:
-    n, wide, at = sheet.n_vector, sheet.vectors, p * sheet.vectors
-    for i in range(3):
-        for j in range(3):
-            value = work[rows + i * DIRECTIONS + j]
-            for a in range(n):
-                factor = value * sheet.rows[at + a]
-                to = first + ((i * 3 + j) * n + a) * wide
-                for b in range(0, wide, WIDTH):
-                    store_at(k, to + b, load_at(k, to + b) + factor * load_at(sheet.rows, at + b))
-
-
-@inlined
-def _add_body_blocks(
-    sheet: Sheet, p: int, work: Floats, rows: int, k: Floats, columns_first: int, rows_first: int, own: int
-) -> None:
-    wide, at = sheet.vectors, p * sheet.vectors
-    for r in range(12):
-        for i in range(3):
-            by_body = work[rows + i * DIRECTIONS + 3 + r]
-            of_body = -work[rows + r * DIRECTIONS + i] if r < 3 else work[rows + r * DIRECTIONS + i]
-            by, of = columns_first + (i * 12 + r) * wide, rows_first + (r * 3 + i) * wide
-            for b in range(0, wide, WIDTH):
-                S = load_at(sheet.rows, at + b)
-                store_at(k, by + b, load_at(k, by + b) + by_body * S)
-                store_at(k, of + b, load_at(k, of + b) + of_body * S)
-        sign = -1.0 if r < 3 else 1.0
-        for b in range(0, DIRECTIONS, WIDTH):
-            to = own + r * DIRECTIONS + b
-            store_at(k, to, load_at(k, to) + sign * load_at(work, rows + r * DIRECTIONS + b))
-
-
 @njit
-def force_tangent(
-    q: Floats, v: Floats, moving: bool, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats,
-    alpha_q: float, alpha_v: float, work: Floats, f: Floats, k: Floats,
-) -> None:  # fmt: skip
-    """Force and tangent alpha_q df/dq + alpha_v df/dv."""
-    f[:] = 0.0
-    k[:] = 0.0
-    n, wide, count = sheet.n_vector, sheet.vectors, sheet.n_element
-    rows = 6 * n + 6 * sheet.points
-    columns_first = 9 * n * wide * count
-    rows_first = columns_first + 36 * wide * count
-    own = rows_first + 36 * wide * count
-    for element in range(count):
-        if not _prepared(q, v, moving, body, sheet, obstacle, element, False, work):
-            continue
-        reach = obstacle.radius + sheet.half_thickness[element]
-        for p in range(sheet.n_point):
-            rel = _at_point(body, moving, sheet, obstacle, anchors, element, p, work)
-            if distance(obstacle, rel.y, rel.a) >= reach:
-                continue
-            area = sheet.area[element * sheet.n_point + p]
-            c = contact(obstacle, law, reach, area, rel)
-            if c.at.g >= 0.0:
-                continue
-            _add_to_element(sheet, p, c.h, f, 3 * wide * element)
-            _rows(obstacle, law, area, rel, c, alpha_q, alpha_v, work, rows)
-            _add_element_block(sheet, p, work, rows, k, 9 * n * wide * element)
-            if obstacle.moves:
-                _add_to_body(obstacle, c, f, 3 * wide * count)
-                element_at = 36 * wide * element
-                _add_body_blocks(sheet, p, work, rows, k, columns_first + element_at, rows_first + element_at, own)
+def advance(q: Floats, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats, work: Floats) -> float:
+    """Let bristles that are stretched beyond their limit slide, and those of points that do not touch go along with them.
 
-
-@njit
-def advance(q: Floats, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats, work: Floats) -> None:
-    """Let bristles that are stretched beyond their limit slide, and those of points that do not touch go along with them."""
+    Returns:
+        Heat [J]: the limit along the way that a bristle slides; where its limit has shrunk, or the point has come off, the energy
+        that the bristle has lost.
+    """
+    heat = 0.0
     for element in range(sheet.n_element):
-        first = element * sheet.n_point
-        if not _prepared(q, q, False, body, sheet, obstacle, element, False, work):
-            anchors[3 * first : 3 * (first + sheet.n_point)] = np.nan
+        if not prepared(q, q, False, body, sheet, obstacle, element, False, work):
+            for pair in range(element * sheet.n_point, (element + 1) * sheet.n_point):
+                heat += _released(law, sheet.area[pair], anchors, pair)
+                anchors[ANCHOR * pair] = np.nan
             continue
         reach = obstacle.radius + sheet.half_thickness[element]
         for p in range(sheet.n_point):
-            rel = _at_point(body, False, sheet, obstacle, anchors, element, p, work)
-            X = components(rel.D, rel.y)
+            pair = element * sheet.n_point + p
+            rel = at_point(body, False, sheet, obstacle, anchors, element, p, work)
+            X, pull = components(rel.D, rel.y), 0.0
+            depth, area = 0.0, sheet.area[pair]
             if rel.held > 0.0 and distance(obstacle, rel.y, rel.a) < reach:
-                area = sheet.area[first + p]
                 c = contact(obstacle, law, reach, area, rel)
-                if c.at.g < 0.0:
-                    stretch = tangential(c.unit, combined(1.0, rel.y, -1.0, tuple_sum(rel.X, rel.D)))
-                    limit = law.mu * c.elastic * c.size
-                    force = area * law.tangential * dot(stretch, stretch) ** 0.5
-                    X = rel.X
-                    if force > limit:
-                        X = components(rel.D, combined(1.0, rel.y, -limit / force, stretch))
+                depth = -c.at.g
+            if depth > 0.0:
+                stretch = tangential(c.unit, combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D)))
+                limit, pull = law.mu * c.elastic * c.size, area * law.tangential * dot(stretch, stretch) ** 0.5
+                X = rel.X
+                if pull > limit:
+                    X = components(rel.D, combined(1.0, rel.y, -limit / pull, stretch))
+                    shrunk = min(max(anchors[ANCHOR * pair + 3] - limit, 0.0), pull - limit)
+                    heat += (limit * (pull - limit) + 0.5 * shrunk**2) / (area * law.tangential)
+                    pull = limit
+            else:
+                heat += _released(law, area, anchors, pair)
             for i in range(3):
-                anchors[3 * (first + p) + i] = X[i]
+                anchors[ANCHOR * pair + i] = X[i]
+            anchors[ANCHOR * pair + 3] = pull
+    return heat
+
+
+@inlined
+def _released(law: Law, area: float, anchors: Floats, pair: int) -> float:
+    """Energy of a bristle that lets go."""
+    if anchors[ANCHOR * pair] != anchors[ANCHOR * pair]:
+        return 0.0
+    return 0.5 * anchors[ANCHOR * pair + 3] ** 2 / (area * law.tangential)

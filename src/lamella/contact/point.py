@@ -5,14 +5,14 @@ y = s - c for the point s of the sheet, the depth delta = -g(y, a) gives the nor
 
     F = k A delta^e (1 + alpha delta') >= 0,    f_y = -F m,    f_a = -F g_a,    N = F |m|
 
-(Hunt and Crossley 1975), the gradient of the energy k A delta^(e+1) / (e + 1) where alpha = 0. Friction acts between the point and
-the point of the body that is there, Y_i = d_i.y, with the slip v = y' - Y_i d_i' and T = 1 - m m^T / m.m:
+(Hunt and Crossley 1975), the gradient of the energy k A delta^(e+1) / (e + 1) where alpha = 0. Friction acts between the point
+and the point of the body that is there, Y_i = d_i.y, with the slip v = y' - Y_i d_i' and T = 1 - m m^T / m.m:
 
     regularised   tau = mu N u / sqrt(u.u + v_d^2),             u = T v
     bristle       tau = u min(1, mu N / |u|),                   u = A T (k_t (y - X_i d_i) + c_t v)
 
-where the bristle is a spring from the point to the place X_i of the body to which it holds. It turns with the body, so that a sheet
-that rolls without slip does not stretch it. All forces, with h = f_y + tau:
+where the bristle is a spring from the point to the place X_i of the body to which it holds. It turns with the body, so that a
+sheet that rolls without slip does not stretch it. All forces, with h = f_y + tau:
 
     on s: h,    on p: -h,    on d_i: -b_i h + alpha_i f_a - Y_i tau
 
@@ -21,7 +21,7 @@ tau does the work tau.v, so force, torque and energy of sheet and body balance e
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from lamella._jit import inlined
 from lamella.contact.gap import Gap, Obstacle, gap, gap_change
@@ -88,7 +88,7 @@ class Force(NamedTuple):
         Y: the point in the axes of the body [m].
         slip: T v [m/s].
         u: what friction follows.
-        along: unit.u before the projection.
+        u0: u before the projection.
         norm: the root in the law of friction.
         phi: tau = phi u.
         slides: whether phi depends on the state.
@@ -115,7 +115,7 @@ class Force(NamedTuple):
 
 
 @inlined
-def tuple_sum(c: Vector, D: Axes) -> Vector:
+def weighted(c: Vector, D: Axes) -> Vector:
     """sum_i c_i D_i."""
     return combined3(c[0], D[0], c[1], D[1], c[2], D[2])
 
@@ -144,10 +144,10 @@ def contact(obstacle: Obstacle, law: Law, reach: float, area: float, rel: Relati
     size = sqrt(dot(at.m, at.m))
     unit = scaled(1.0 / size, at.m)
     Y = components(rel.D, rel.y)
-    v = combined(1.0, rel.yd, -1.0, tuple_sum(Y, rel.Dd))
+    v = combined(1.0, rel.yd, -1.0, weighted(Y, rel.Dd))
     u0 = v
     if law.bristle:
-        stretch = combined(1.0, rel.y, -1.0, tuple_sum(rel.X, rel.D))
+        stretch = combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D))
         u0 = combined(area * law.tangential * rel.held, stretch, area * law.viscous, v)
     u = tangential(unit, u0)
     norm = sqrt(dot(u, u) + law.velocity**2)
@@ -175,11 +175,11 @@ def contact_change(
     df_a = combined(-1.0, scaled(dF, at.g_a), -c.F, dg_a)
     dY = components(dD, rel.y)
     dY = (dY[0] + dot(rel.D[0], dy), dY[1] + dot(rel.D[1], dy), dY[2] + dot(rel.D[2], dy))
-    dv = combined(1.0, dyd, -1.0, tuple_sum(dY, rel.Dd))
-    dv = combined(1.0, dv, -1.0, tuple_sum(c.Y, dDd))
+    dv = combined(1.0, dyd, -1.0, weighted(dY, rel.Dd))
+    dv = combined(1.0, dv, -1.0, weighted(c.Y, dDd))
     du0 = dv
     if law.bristle:
-        dstretch = combined(1.0, dy, -1.0, tuple_sum(rel.X, dD))
+        dstretch = combined(1.0, dy, -1.0, weighted(rel.X, dD))
         du0 = combined(area * law.tangential * rel.held, dstretch, area * law.viscous, dv)
     dsize = dot(c.unit, dm)
     dunit = scaled(1.0 / c.size, combined(1.0, dm, -1.0, scaled(dsize, c.unit)))

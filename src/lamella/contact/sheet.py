@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lamella.body.mesh import PlateMesh
 
 N_GAUSS = 3
-"""Gauss points in each direction of the area that belongs to a point; two are as good to 1e-6 for cells of a tenth of the radius."""
+"""Gauss points in each direction for the area of a cell."""
 
 
 class Sheet(NamedTuple):
