@@ -54,7 +54,7 @@ def run() -> Iterator[Evidence]:
             a = G * (np.sin(theta) - MU * np.cos(theta))
             turning, source = MU * MASS * G * R_e * np.cos(theta) / INERTIA, "Coulomb friction"
         v, omega = result["roller.velocity"].values[:, 0], result["roller.angular_velocity"].values[:, 1]
-        why = "R_e is a mean over the width of contact, in which the distance from the axis varies by 1.2 %; damping brakes by 0.1 %"
+        why = "R_e is a mean over the width of contact, where the distance from the axis varies by 1.2 %"
         yield Check(f"speed when it {name}", v[-1], a * END, 2e-3, source=source, unit="m/s", reason=why)
         yield Check(f"angular velocity when it {name}", omega[-1], turning * END, 3e-3, source=source, unit="rad/s", reason=why)
         lost = result["energy.balance"].values[-1] / (0.5 * MASS * v[-1] ** 2)
