@@ -63,6 +63,10 @@ class ContactField:
     traction: Floats
 
 
+Part = tuple[tuple[int, ...], Ints, Ints, Floats, Floats]
+"""Shape of a part of the tangent's buffer, and what is repeated to it: rows, columns, and the factors of both."""
+
+
 class ContactBlock(ForceBlock):
     """Contact of the points of a shell with one obstacle; see :mod:`lamella.contact.point` for the law.
 
@@ -96,14 +100,14 @@ class ContactBlock(ForceBlock):
         sheet = self.sheet
         n, wide, count = sheet.n_vector, sheet.vectors, sheet.n_element
         coords = np.full((count, 3, wide), -1, np.int64)
-        coords[:, :, :n] = sheet.index.reshape(count, n, 3).transpose(0, 2, 1)
+        coords[:, :, :n] = sheet.coords.reshape(count, n, 3).transpose(0, 2, 1)
         scale = np.zeros((count, 1, wide))
         scale[:, 0, :n] = sheet.scale.reshape(count, n)
         body: Ints = np.zeros(0, np.int64) if self._first is None else 3 * self._first + np.arange(12)
         self.f_coords = np.concatenate([coords.reshape(-1), body])
         self.f_scale = np.concatenate([(scale * np.ones((1, 3, 1))).reshape(-1), np.ones(len(body))])
         shape = (count, 3, 3, n, wide)
-        parts = [
+        parts: list[Part] = [
             (
                 shape,
                 coords[:, :, None, :n, None],

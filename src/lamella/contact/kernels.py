@@ -211,12 +211,9 @@ def advance(q: Floats, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, a
         for p in range(sheet.n_point):
             pair = element * sheet.n_point + p
             rel = at_point(body, False, sheet, obstacle, anchors, element, p, work)
-            X, pull = components(rel.D, rel.y), 0.0
-            depth, area = 0.0, sheet.area[pair]
-            if rel.held > 0.0 and distance(obstacle, rel.y, rel.a) < reach:
-                c = contact(obstacle, law, reach, area, rel)
-                depth = -c.at.g
-            if depth > 0.0:
+            X, pull, area = components(rel.D, rel.y), 0.0, sheet.area[pair]
+            c = contact(obstacle, law, reach, area, rel)
+            if rel.held > 0.0 and c.at.g < 0.0:
                 stretch = tangential(c.unit, combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D)))
                 limit, pull = law.mu * c.elastic * c.size, area * law.tangential * dot(stretch, stretch) ** 0.5
                 X = rel.X

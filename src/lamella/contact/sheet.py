@@ -25,7 +25,7 @@ class Sheet(NamedTuple):
     """Arrays of a shell.
 
     Args:
-        index: coordinate of each element vector's component, (element, vector, component) flat.
+        coords: coordinate of each element vector's component, (element, vector, component) flat.
         scale: factor from global to element coordinates, (element, vector) flat.
         columns: shape functions, (vector, point) flat, points filled up to whole lanes.
         rows: the same as (point, vector), vectors filled up.
@@ -38,7 +38,7 @@ class Sheet(NamedTuple):
         per_node: vectors at a node, the first of which is the position.
     """
 
-    index: Ints
+    coords: Ints
     scale: Floats
     columns: Floats
     rows: Floats
@@ -106,7 +106,7 @@ def gather(q: Floats, sheet: Sheet, element: int, work: Floats, to: int) -> None
     for k in range(n):
         factor = sheet.scale[first + k]
         for c in range(3):
-            work[to + c * n + k] = factor * q[sheet.index[3 * (first + k) + c]]
+            work[to + c * n + k] = factor * q[sheet.coords[3 * (first + k) + c]]
 
 
 @inlined

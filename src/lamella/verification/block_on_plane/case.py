@@ -57,7 +57,7 @@ def rebound(alpha: float) -> float:
     def f(v: float) -> float:
         return v / alpha - np.log1p(alpha * v) / alpha**2
 
-    return float(brentq(lambda v: f(-v) - f(FALL), 1e-6, FALL)) if alpha else FALL
+    return float(brentq(lambda v: f(-v) - f(FALL), 1e-6, FALL)) if alpha else FALL  # type: ignore[arg-type]
 
 
 def slides() -> Iterator[Evidence]:
