@@ -49,14 +49,19 @@ def run() -> Iterator[Evidence]:
         R_e = R + 0.5 * H - 0.8 * sink(theta)  # friction acts at the depth in the mean, weighted by the pressure
         if name == "rolls":
             a = G * np.sin(theta) / (1 + INERTIA / (MASS * R_e**2))
-            turning, source = a / R_e, "rolling without slip"
+            turning, source, tolerance = a / R_e, "rolling without slip", 6e-3
+            # Points that touch lie up to the depth nearer to the axis than others, 1.2 % of R, so they cannot all roll; slip of a
+            # third of that in the mean brakes by mu times it, 0.12 % of the weight, where 20 % drive.
+            why = "conforming slip brakes by mu depth / (3 R sin theta)"
         else:
             a = G * (np.sin(theta) - MU * np.cos(theta))
-            turning, source = MU * MASS * G * R_e * np.cos(theta) / INERTIA, "Coulomb friction"
+            turning, source, tolerance = MU * MASS * G * R_e * np.cos(theta) / INERTIA, "Coulomb friction", 2e-3
+            why = "R_e is a mean over depths of up to 1.2 % of R, known to a sixth of that"
         v, omega = result["roller.velocity"].values[:, 0], result["roller.angular_velocity"].values[:, 1]
-        why = "R_e is a mean over the width of contact, where the distance from the axis varies by 1.2 %"
-        yield Check(f"speed when it {name}", v[-1], a * END, 2e-3, source=source, unit="m/s", reason=why)
-        yield Check(f"angular velocity when it {name}", omega[-1], turning * END, 3e-3, source=source, unit="rad/s", reason=why)
+        yield Check(f"speed when it {name}", v[-1], a * END, tolerance, source=source, unit="m/s", reason=why)
+        yield Check(
+            f"angular velocity when it {name}", omega[-1], turning * END, tolerance, source=source, unit="rad/s", reason=why
+        )
         lost = result["energy.balance"].values[-1] / (0.5 * MASS * v[-1] ** 2)
         why = "relative to the kinetic energy: steps of 1 ms, and the stretch of the bristles, 1e-3 of the radius"
         yield Check(f"energy unaccounted for when it {name}", lost, 0.0, 2e-4, "absolute", "conservation of energy", reason=why)
