@@ -204,7 +204,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
     along_the_way = WorkMeter(heat) if damped else nothing
 
     def dissipated(state: State) -> float:
-        return along_the_way(state) + sum(block.heat() for block in model.forces)
+        return along_the_way(state) + sum(block.settled_heat() for block in model.forces)
 
     last: dict[str, float] = {}
 

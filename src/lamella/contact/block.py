@@ -182,5 +182,5 @@ class ContactBlock(ForceBlock):
         self._anchors[:] = np.nan
         self._heat = 0.0
 
-    def heat(self) -> float:
+    def settled_heat(self) -> float:
         return self._heat
