@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     from lamella.body.shape import Cylinder as Cylinder
     from lamella.body.shape import Sphere as Sphere
     from lamella.body.shell import Shell as Shell
+    from lamella.contact.friction import BristleFriction as BristleFriction
+    from lamella.contact.friction import RegularisedFriction as RegularisedFriction
+    from lamella.contact.obstacles import CylinderContact as CylinderContact
+    from lamella.contact.obstacles import PlaneContact as PlaneContact
+    from lamella.contact.obstacles import SphereContact as SphereContact
     from lamella.critical import CriticalPoint as CriticalPoint
     from lamella.integrate.bdf import BDF as BDF
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
@@ -108,6 +113,8 @@ _HOME = {
     "body.ground": ("Ground",),
     "body.plate": ("Edge", "Plate"),
     "stability": ("Buckling", "buckling"),
+    "contact.friction": ("BristleFriction", "RegularisedFriction"),
+    "contact.obstacles": ("CylinderContact", "PlaneContact", "SphereContact"),
     "critical": ("CriticalPoint",),
     "integrate.bdf": ("BDF",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),

@@ -69,6 +69,7 @@ class ForceBlock(ABC):
     6. ``dissipation`` is the power [W] turned into heat, never negative, 0.0 when there is none.
     7. A block with discrete state (a latch that has engaged, the turns an angle has made) changes it only between steps:
        ``settle`` is called once with each accepted configuration. ``reset`` puts the state back to that of the start of a run.
+       ``settled_heat`` is the energy that such changes have turned into heat since then.
     """
 
     name: str
@@ -112,6 +113,10 @@ class ForceBlock(ABC):
 
     def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
         """Forget what happened in an earlier run (rule 7)."""
+
+    def settled_heat(self) -> float:
+        """Energy that changes of discrete state have turned into heat since the start of a run [J] (rule 7)."""
+        return 0.0
 
 
 class InertiaBlock(ABC):

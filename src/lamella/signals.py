@@ -201,7 +201,11 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return (along_motions(state) if moves else 0.0) + actuators(state)
 
     dampers, at_rest = ForceSum(damped, model.n_q), np.zeros(model.n_q)
-    dissipated = WorkMeter(heat) if damped else nothing
+    along_the_way = WorkMeter(heat) if damped else nothing
+
+    def dissipated(state: State) -> float:
+        return along_the_way(state) + sum(block.settled_heat() for block in model.forces)
+
     last: dict[str, float] = {}
 
     def kept(name: str, evaluate: Callable[[State], float]) -> Callable[[State], float]:

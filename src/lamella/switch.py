@@ -48,6 +48,9 @@ class SwitchedForce(ForceBlock):
     def settle(self, t: float, q: Floats) -> None:
         self.block.settle(t, q)
 
+    def settled_heat(self) -> float:
+        return self.block.settled_heat()
+
     def reset(self) -> None:
         self.on = self._at_start
         self.block.reset()

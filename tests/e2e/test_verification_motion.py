@@ -8,6 +8,8 @@ from lamella.verification import find_cases, run_cases
 from lamella.viz.case_pictures import drawn
 
 CASES = (
+    "block-on-plane",
+    "capstan",
     "damping",
     "distance-joint",
     "energy-balance",
@@ -26,6 +28,7 @@ CASES = (
     "pendulums",
     "plate-pendulum",
     "rigid-array",
+    "rolling",
     "slider-crank",
     "spinning-top",
     "sunlight",

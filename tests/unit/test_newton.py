@@ -59,7 +59,9 @@ def test_accepted_error_is_within_the_tolerance():
         assert solver.size(point.u - exact.u) <= 2.0 * tolerance
 
 
-@pytest.mark.parametrize("options", [{"extrapolate": False}, {"line_search": True}, {"keep": 0.3}, {"keep": 0.9}])
+@pytest.mark.parametrize(
+    "options", [{"extrapolate": False}, {"line_search": True}, {"line_search": "residual"}, {"keep": 0.3}, {"keep": 0.9}]
+)
 def test_options_change_the_way_and_not_the_end(options):
     solver, plain, _ = problem(tolerance=1e-11, max_iterations=60)
     assert solver.solve(plain, STATIC).converged

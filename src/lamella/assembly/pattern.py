@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -54,6 +55,14 @@ class Pattern:
     def rows(self) -> Ints:
         """Row of each entry of K, shape (nnz,)."""
         return _rows(self.indptr)
+
+    @cached_property
+    def _diagonal(self) -> Ints:
+        return np.flatnonzero(self.rows == self.indices)
+
+    def diagonal(self, k: Floats) -> Floats:
+        """Diagonal of K with the given values, shape (n,)."""
+        return k[self._diagonal]
 
     @property
     def j_rows(self) -> Ints:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Annotated, Protocol
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -44,7 +44,9 @@ class Newton:
             magnitudes (size of the body, 1 for slopes) adds to it [-].
         max_iterations: iterations before giving up.
         keep: contraction up to which a factorisation is used again, 0 for Newton's method proper.
-        line_search: once corrections grow, halve one that the next would outgrow (natural monotonicity test).
+        line_search: halve corrections that lead too far. True: once they grow, one that the next would outgrow (natural
+            monotonicity test), for plates that bend far. ``residual``: one that does not lessen the residual, each row by its
+            stiffness, sum r_i^2 / K_ii, for contact with friction, where iterates go to and fro between stick and slip.
         extrapolate: take the stress of the geometric stiffness from the previous iterate's linear extrapolation
             (Magisano, Leonetti and Garcea 2017); fewer iterations, same result.
     """
@@ -53,7 +55,7 @@ class Newton:
     constraint_tolerance: Positive = 1e-11
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = 25
     keep: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.1
-    line_search: bool = False
+    line_search: bool | Literal["residual"] = False
     extrapolate: bool = True
 
 
@@ -102,6 +104,7 @@ class NewtonSolver:
         self._factored_for: Weights | None = None
         self._per_magnitude = 1.0 / equations.magnitude
         self._corrections = SecantCorrections(linear)
+        self._per_stiffness = np.zeros(0)
 
     def size(self, du: Floats) -> float:
         """Largest correction relative to the magnitude of its coordinate."""
@@ -146,13 +149,17 @@ class NewtonSolver:
                 last = np.inf
                 continue
             before = point.u
-            growing = self.options.line_search and contraction >= 1.0
-            step = self._searched(point, weights, du, dlam) if growing else 1.0
+            small = self._small_enough(size, contraction, goal)
+            step = 1.0
+            if self.options.line_search == "residual":
+                step = 1.0 if small else self._descending(point, weights, r, du, dlam)
+            elif self.options.line_search and contraction >= 1.0:
+                step = self._searched(point, weights, du, dlam)
             self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
             if step != 1.0:
                 self._corrections.forget()
-            if step == 1.0 and self._small_enough(size, contraction, goal) and self._holds(point, size):
+            if step == 1.0 and small and self._holds(point, size):
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
@@ -193,6 +200,8 @@ class NewtonSolver:
         if np.isfinite(r).all():
             self._corrections.forget()
             self.linear.factorise(k, j)
+            if self.options.line_search == "residual":
+                self._per_stiffness = 1.0 / np.maximum(np.abs(self.linear.pattern.diagonal(k)), np.finfo(float).tiny)
             self.statistics.factorisations += 1
             self._factored_for = weights
         return r, phi
@@ -211,6 +220,19 @@ class NewtonSolver:
             point.u = point.u + weights.alpha_q * du
         if len(dlam):
             point.lam = point.lam + dlam
+
+    def _descending(self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats) -> float:
+        """A step length s that lessens the sum of r_i^2 / K_ii by a tenth of s, or the shortest one."""
+        now, step = float(r**2 @ self._per_stiffness), 1.0
+        for _ in range(HALVINGS):
+            trial = point.copy()
+            self._move(trial, weights, step * du, step * dlam)
+            reached, _ = self.equations.residual(trial)
+            self.statistics.residuals += 1
+            if float(reached**2 @ self._per_stiffness) <= (1.0 - 0.1 * step) * now:
+                break
+            step *= 0.5
+        return step
 
     def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> float:
         """A step length s that passes the natural monotonicity test (Deuflhard 2004, section 3.3).

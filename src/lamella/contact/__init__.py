@@ -1,0 +1,1 @@
+"""Contact with friction between shells and obstacles of simple shape."""

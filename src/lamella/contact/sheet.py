@@ -1,0 +1,156 @@
+"""The points of a shell that may touch, as arrays for the kernels, and where they are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lamella._jit import inlined
+from lamella.contact.gap import CYLINDER, PLANE, Obstacle
+from lamella.element.packing import aligned
+from lamella.element.plate48.strain import Vector, combined, dot
+from lamella.lane import WIDTH, load_at, spread, sqrt, store_at
+from lamella.math.gauss import gauss_rule
+from lamella.roles import Floats, Ints
+
+if TYPE_CHECKING:
+    from lamella.body.mesh import PlateMesh
+
+N_GAUSS = 3
+"""Gauss points in each direction for the area of a cell."""
+
+
+class Sheet(NamedTuple):
+    """Arrays of a shell.
+
+    Args:
+        coords: coordinate of each element vector's component, (element, vector, component) flat.
+        scale: factor from global to element coordinates, (element, vector) flat.
+        columns: shape functions, (vector, point) flat, points filled up to whole lanes.
+        rows: the same as (point, vector), vectors filled up.
+        area: reference area of each point [m^2], (element, point) flat.
+        half_thickness: of each element [m].
+        largest: largest value of each shape function at the points.
+        corners: largest sum of the values of the functions of positions.
+        n_element, n_vector, n_point: counts.
+        vectors, points: counts filled up to whole lanes.
+        per_node: vectors at a node, the first of which is the position.
+    """
+
+    coords: Ints
+    scale: Floats
+    columns: Floats
+    rows: Floats
+    area: Floats
+    half_thickness: Floats
+    largest: Floats
+    corners: float
+    n_element: int
+    n_vector: int
+    n_point: int
+    vectors: int
+    points: int
+    per_node: int
+
+
+def places(n: int) -> tuple[Floats, Floats]:
+    """xi, eta of the midpoints of n x n cells of the unit square, xi fastest, shapes (n n,)."""
+    middle = (np.arange(n) + 0.5) / n
+    return np.tile(middle, n), np.repeat(middle, n)
+
+
+def sheet_of(mesh: PlateMesh, n: int) -> Sheet:
+    """The n x n points of each element of a shell: midpoints of equal cells, each with the reference area of its cell."""
+    n_element, n_vector = len(mesh.coords), mesh.element.n_shape
+    S = mesh.element.shape(*places(n))[0]
+    vectors, points = -(-n_vector // WIDTH) * WIDTH, -(-n * n // WIDTH) * WIDTH
+    columns, rows = aligned(n_vector * points), aligned(n * n * vectors)
+    columns.reshape(n_vector, points)[:, : n * n] = S.T
+    rows.reshape(n * n, vectors)[:, :n_vector] = S
+    factors = np.ones(n_element) if mesh.thickness_factors is None else mesh.thickness_factors
+    largest, per_node = np.abs(S).max(axis=0), mesh.element.vectors_per_node
+    return Sheet(
+        np.ascontiguousarray(mesh.coords).reshape(-1),
+        np.ascontiguousarray(mesh.scale[:, ::3]).reshape(-1),
+        columns,
+        rows,
+        cell_areas(mesh, n).reshape(-1),
+        0.5 * mesh.laminate.h * factors,
+        largest,
+        float(np.abs(S[:, ::per_node]).sum(axis=1).max()),
+        n_element,
+        n_vector,
+        n * n,
+        vectors,
+        points,
+        per_node,
+    )
+
+
+def cell_areas(mesh: PlateMesh, n: int) -> Floats:
+    """Reference area of each of n x n cells of the elements [m^2], shape (n_element, n n)."""
+    s, w = gauss_rule(N_GAUSS)
+    fine = (np.arange(n)[:, None] + s).reshape(-1) / n
+    S_xi, S_eta = mesh.element.shape(np.tile(fine, len(fine)), np.repeat(fine, len(fine)))[1:3]
+    vectors = (mesh.reference * mesh.scale).reshape(len(mesh.reference), -1, 3)
+    density = np.linalg.norm(np.cross(np.einsum("pa,eac->epc", S_xi, vectors), np.einsum("pa,eac->epc", S_eta, vectors)), axis=-1)
+    cells = density.reshape(-1, n, N_GAUSS, n, N_GAUSS)
+    return np.einsum("ejaib,a,b->eji", cells, w / n, w / n).reshape(len(vectors), -1)
+
+
+@inlined
+def gather(q: Floats, sheet: Sheet, element: int, work: Floats, to: int) -> None:
+    """Scaled vectors of an element to work[to:], (component, vector)."""
+    n, first = sheet.n_vector, element * sheet.n_vector
+    for k in range(n):
+        factor = sheet.scale[first + k]
+        for c in range(3):
+            work[to + c * n + k] = factor * q[sheet.coords[3 * (first + k) + c]]
+
+
+@inlined
+def interpolate(sheet: Sheet, work: Floats, source: int, to: int) -> None:
+    """Vectors of an element at its points, to work[to:], (component, point)."""
+    n = sheet.n_vector
+    for c in range(3):
+        for p in range(0, sheet.points, WIDTH):
+            value = spread(0.0)
+            for k in range(n):
+                value = value + work[source + c * n + k] * load_at(sheet.columns, k * sheet.points + p)
+            store_at(work, to + c * sheet.points + p, value)
+
+
+@inlined
+def _extent(kind: int, u: Vector, a: Vector) -> float:
+    """Length of what counts of a vector: across a cylinder's axis, along a plane's normal."""
+    if kind == PLANE:
+        return abs(dot(u, a))
+    square = dot(u, u)
+    if kind == CYLINDER:
+        square -= dot(a, u) ** 2 / dot(a, a)
+    return sqrt(max(square, 0.0))
+
+
+@inlined
+def near(sheet: Sheet, obstacle: Obstacle, reach: float, c: Vector, a: Vector, work: Floats, source: int) -> bool:
+    """Whether a point of the element may touch.
+
+    With the mean m of the corners, s - m = sum S_k (r_k - m) + sum S_l e_l over corners and other vectors. So no point is further
+    from m than the largest |r_k - m| times the largest sum of |S_k|, and the sum of the largest |S_l| times |e_l|; all lengths
+    taken across the axis of a cylinder, or along the normal of a plane, where a wide element is as slim as it looks.
+    """
+    n, step = sheet.n_vector, sheet.per_node
+    m = (0.0, 0.0, 0.0)
+    for k in range(0, n, step):
+        m = combined(1.0, m, step / n, (work[source + k], work[source + n + k], work[source + 2 * n + k]))
+    corner, rest = 0.0, 0.0
+    for k in range(n):
+        e = (work[source + k], work[source + n + k], work[source + 2 * n + k])
+        if k % step == 0:
+            corner = max(corner, _extent(obstacle.kind, combined(1.0, e, -1.0, m), a))
+        else:
+            rest += sheet.largest[k] * _extent(obstacle.kind, e, a)
+    y = combined(1.0, m, -1.0, c)
+    away = dot(a, y) if obstacle.kind == PLANE else _extent(obstacle.kind, y, a)
+    return away - sheet.corners * corner - rest < reach
