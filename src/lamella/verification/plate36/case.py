@@ -12,7 +12,7 @@ import lamella as lm
 from lamella.roles import Floats
 from lamella.verification import Check, References
 
-slow = False
+slow = True
 
 Element = Literal["plate36", "plate48"]
 ELEMENTS: tuple[Element, ...] = ("plate48", "plate36")

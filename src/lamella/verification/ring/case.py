@@ -12,7 +12,7 @@ from lamella.roles import Floats
 from lamella.verification import Evidence, Orders, References, Shape
 from lamella.verification.belt import ELEMENTS, LENGTH, WAVES, belt, rayleigh
 
-slow = False
+slow = True
 
 MESHES = {"plate48": ((20, 1), (28, 1), (40, 1), (80, 1)), "plate36": ((20, 1), (40, 1), (80, 1), (40, 2), (40, 4))}
 CHECKED = {(element, mesh) for element in ELEMENTS for mesh in MESHES[element] if mesh[0] >= 40}

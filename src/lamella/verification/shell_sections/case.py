@@ -12,7 +12,7 @@ from lamella.result import Result
 from lamella.roles import Floats
 from lamella.verification import Curves, Evidence, References, Shape
 
-slow = False
+slow = True
 
 E, NU, RHO, H = 70e9, 0.3, 2700.0, 1e-3
 PRECISE = lm.Newton(tolerance=1e-12, keep=0.0)

@@ -15,7 +15,7 @@ from lamella.state import State
 from lamella.verification import Curves, Evidence, References
 from lamella.verification.belt import E_X, LENGTH, RADIUS, RHO, WAVES, belt, rayleigh
 
-slow = False
+slow = True
 
 SPIN = 50.0
 MESH = (40, 1)
