@@ -11,7 +11,7 @@ import lamella as lm
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.verification import Curves, Evidence, References, Shape
-from lamella.verification.pinched_cylinder import PinchedCylinder
+from lamella.verification.cylinder_series import PinchedCylinder
 
 slow = True
 
