@@ -116,6 +116,6 @@ def shaded(study: Study, run: Result) -> None:
         shape = picture(run, folder / f"{name}.png", at=times, field=field, view=VIEW, per_element=FINE)
         study.captions[shape] = caption
         study.files.append(shape)
-    moving = animation(run, folder / "motion.gif", field="von_mises", view=VIEW, frames=36, per_element=16)
+    moving = animation(run, folder / "motion.gif", field="von_mises", view=VIEW, frames=24, per_element=16)
     study.captions[moving] = "The belt's motion, coloured by von Mises stress."
     study.files.append(moving)
