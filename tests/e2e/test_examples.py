@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import lamella as lm
@@ -58,6 +59,7 @@ def test_the_examples_are_listed_with_their_titles() -> None:
         "thermal-flutter",
         "satellite-thermal",
         "cylindrical-roof",
+        "corrugator",
     } <= set(known)
     for example in known.values():
         assert read_model(example.model).title == example.title
@@ -197,6 +199,27 @@ def test_a_satellite_begins_to_turn_in_the_sun(here: Command, tmp_path: Path) ->
     assert result["bearing.angle"].values[-1] > 0.0
 
 
+def test_a_belt_is_tightened(here: Command, tmp_path: Path) -> None:
+    """The model until both moving rollers touch the belt: roller 2 obeys Newton's law, and nothing turns it or the belt aside."""
+    short = ("--set", "analysis.run.t_end=0.16 s", "--set", "output.frames=4")
+    done = here("run", str(examples()["corrugator"].model), "--out", "out", "--quiet", "--no-pictures", *short, *BRIEF)
+    assert done.returncode == 0, done.stderr
+    result = read_result(tmp_path / "out" / "run.h5")
+    assert result.outcome.completed
+    force, v = result["touch2.force"].values, result["roller2.velocity"].values[:, 0]
+    assert result["touch2.points"].values.max() > 0
+    assert result["touch3.points"].values.max() > 0
+    pull, damping = 1000.0 * result["tension_a.factor"].values, 3000.0 * v
+    impulse = float(np.trapezoid(pull - damping + force[:, 0], result.at))
+    pushed = float(np.trapezoid(pull, result.at))
+    assert 60.0 * v[-1] == pytest.approx(impulse, abs=0.01 * pushed)  # by the trapezoidal rule, contact begins within a step
+    for name in ("end_a", "end_b"):
+        assert np.abs(result[f"{name}.position"].values[:, 1]).max() < 1e-12
+    tilt = result["end_a.position"].values[:, 0] - result["end_b.position"].values[:, 0]
+    assert np.abs(tilt).max() < 1e-9
+    assert np.abs(result["centre.position"].values[:, 2]).max() < 1e-9
+
+
 @pytest.mark.slow
 def test_cantilever_plate_whole(run, tmp_path: Path) -> None:
     findings = run("cantilever-plate")
@@ -303,3 +326,23 @@ def test_cylindrical_roof_whole(run, tmp_path: Path) -> None:
         assert published[f"limit load, {name} [N]"] == pytest.approx(limit, rel=2.5e-3)
     assert side["of the limit load, isotropic [%]"] == pytest.approx(89.4, abs=0.2)  # 12x12 elements: 89.4
     assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} == {"paths", "symmetric", "sideways", "snap"}
+
+
+@pytest.mark.slow
+def test_corrugator_whole(run, tmp_path: Path) -> None:
+    findings = run("corrugator")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 6
+    drift, stress, pressing, _, element, balance = (finding["numbers"] for finding in findings)
+    # Another code on the same mesh with v_d = 2 mm/s: 48 coordinates 263.03 mm, 2.81 mrad, 0.203 mm/s; 36 coordinates 3.09 mrad,
+    # 0.280 mm/s, and with v_d = 0.4 mm/s 2.99 mrad, 0.401 mm/s. Tilts depend little on v_d, rates of drift by tens of per cent.
+    assert drift["displacement of roller 2 along X at full speed [mm]"] == pytest.approx(263.0, abs=0.3)
+    assert drift["tilt of roller 2, end b nearer [mrad]"] == pytest.approx(2.81, rel=0.1)
+    assert 0.15 < drift["drift towards end b [mm/s]"] < 0.45
+    assert element["tilt, plate36 [mrad]"] == pytest.approx(3.04, rel=0.1)
+    assert 0.2 < element["drift, plate36 [mm/s]"] < 0.5
+    assert stress["tension of a strand [N]"] == pytest.approx(3570.0, rel=0.01)
+    assert pressing["force of roller 3 on the belt along Y [N]"] == pytest.approx(-2910.0, rel=0.02)
+    assert balance["force of the belt on roller 2 along X [N]"] == pytest.approx(-7000.0, abs=7.0)
+    drawn = {"roller2", "tilt", "drift", "contact", "stress", "path", "snapshots", "stress-map", "strain-map", "motion"}
+    assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} == drawn

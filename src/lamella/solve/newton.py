@@ -122,14 +122,17 @@ class NewtonSolver:
             weights: how the unknown moves q, v and a.
             reference: coordinates q of the last solution, from which stress is extrapolated at the first iteration.
         """
-        before, start = None, point.u
+        before, start, known = None, point.u, None
         last = size = np.inf
         self._corrections.forget()
         iteration = 0
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
             try:
-                r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
+                if known is not None and not fresh:  # where the line search has ended
+                    r, phi = known
+                else:
+                    r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
                 if not isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 du, dlam = self._corrections(r, phi)
@@ -150,10 +153,10 @@ class NewtonSolver:
                 continue
             before = point.u
             small = self._small_enough(size, contraction, goal)
-            step = 1.0
-            if self.options.line_search == "residual":
-                step = 1.0 if small else self._descending(point, weights, r, du, dlam)
-            elif self.options.line_search and contraction >= 1.0:
+            step, known = 1.0, None
+            if self.options.line_search == "residual" and not small:
+                step, known = self._descending(point, weights, r, du, dlam)
+            elif self.options.line_search is True and contraction >= 1.0:
                 step = self._searched(point, weights, du, dlam)
             self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
             self.statistics.newton_iterations += 1
@@ -221,18 +224,20 @@ class NewtonSolver:
         if len(dlam):
             point.lam = point.lam + dlam
 
-    def _descending(self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats) -> float:
-        """A step length s that lessens the sum of r_i^2 / K_ii by a tenth of s, or the shortest one."""
+    def _descending(
+        self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats
+    ) -> tuple[float, tuple[Floats, Floats] | None]:
+        """A step length s that lessens the sum of r_i^2 / K_ii by a tenth of s, or the shortest one; and the residual there."""
         now, step = float(r**2 @ self._per_stiffness), 1.0
         for _ in range(HALVINGS):
             trial = point.copy()
             self._move(trial, weights, step * du, step * dlam)
-            reached, _ = self.equations.residual(trial)
+            reached = self.equations.residual(trial)
             self.statistics.residuals += 1
-            if float(reached**2 @ self._per_stiffness) <= (1.0 - 0.1 * step) * now:
-                break
+            if float(reached[0] ** 2 @ self._per_stiffness) <= (1.0 - 0.1 * step) * now:
+                return step, reached
             step *= 0.5
-        return step
+        return step, None
 
     def _searched(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> float:
         """A step length s that passes the natural monotonicity test (Deuflhard 2004, section 3.3).
