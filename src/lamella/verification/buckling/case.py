@@ -12,7 +12,7 @@ import lamella as lm
 from lamella.body.shell_body import EdgeName
 from lamella.verification import Check, References
 
-slow = False
+slow = True
 
 E, H = 70e9, 1e-3
 LENGTH, WIDTH = 0.4, 0.02

@@ -13,7 +13,7 @@ import lamella as lm
 from lamella.roles import Floats
 from lamella.verification import Check, References
 
-slow = False
+slow = True
 
 E, RHO, H, LENGTH, WIDTH = 70e9, 2700.0, 1e-3, 1.0, 0.05
 TIME = np.sqrt(12 * RHO / (E * H**2)) * LENGTH**2
