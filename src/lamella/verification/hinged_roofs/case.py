@@ -38,7 +38,7 @@ def run() -> Iterator[Evidence]:
         results, published = {layup: path(h, layup) for layup in LAYUPS}, {}
         for layup, result in results.items():
             yield from compared(references, h, layup, result)
-            published[f"{layup}, published"] = references.points(f"h = {h}, {layup}: load at the published displacement")
+            published[f"{layup}, published"] = published_path(references, h, layup)
         lines = {layup: (sinking(result), load(result, h)) for layup, result in results.items()}
         yield Curves(f"h = {h} mm", "Displacement of C [mm]", "Load [N]", lines, published)
         shown = results["[90/0/90]"]
@@ -68,12 +68,32 @@ def compared(references: References, h: float, layup: str, result: Result) -> It
         published_load = references.value(f"{roof}: limit load")
         root = root_scalar(lambda w: along(w) - published_load, bracket=(published_w - 1.5, published_w + 1.0)).root
         yield references.check(name, float(root))
+    points = np.array(published_path(references, h, layup))
+    yield references.check(
+        f"{roof}: distance of the published path", distance(points, np.stack([sinking(result), load(result, h)]))
+    )
     yield references.check(f"{roof}: number of limit points", len(limits))
     yield references.check(
         f"{roof}: work of the load over strain energy", 1e-3 * work(result, h) / (4 * result["energy.strain"].values[-1])
     )
     w = sinking(result)
     yield references.check(f"{roof}: way by which C turns back", np.max(np.maximum.accumulate(w) - w))
+
+
+def published_path(references: References, h: float, layup: str) -> tuple[list[float], list[float]]:
+    """Displacements of C [mm] and loads [N] of the published table, as far as the path is computed."""
+    w, P = references.points(f"h = {h}, {layup}: published path")
+    kept = [k for k, value in enumerate(P) if value <= LAST[h]]
+    return [w[k] for k in kept], [P[k] for k in kept]
+
+
+def distance(points: Floats, curve: Floats) -> float:
+    """Largest distance of points (2, n) from a curve through (2, m), each axis over the largest value of the points' curve."""
+    scale = np.abs(curve).max(axis=1, keepdims=True)
+    nodes, points = curve / scale, points / scale
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(nodes)))])
+    fine = CubicSpline(length, nodes, axis=1)(np.linspace(0.0, length[-1], 200 * nodes.shape[1]))
+    return float(np.linalg.norm(points[:, :, None] - fine[:, None, :], axis=0).min(axis=1).max())
 
 
 def converging(references: References) -> Iterator[Check]:
