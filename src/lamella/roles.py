@@ -70,6 +70,8 @@ class ForceBlock(ABC):
     7. A block with discrete state (a latch that has engaged, the turns an angle has made) changes it only between steps:
        ``settle`` is called once with each accepted configuration. ``reset`` puts the state back to that of the start of a run.
        ``settled_heat`` is the energy that such changes have turned into heat since then.
+    8. A block most of whose tangent vanishes (contact) may divide the buffer: part i begins at ``k_parts[i]`` and ends at
+       ``k_parts[i + 1]``. ``force_tangent`` then says in ``k_used`` (n_part,) which parts it has written; the others count as 0.
     """
 
     name: str
@@ -84,6 +86,8 @@ class ForceBlock(ABC):
     k_rows: Ints
     k_cols: Ints
     k_scale: Floats
+    k_parts: Ints | None = None
+    k_used: Bools
 
     @abstractmethod
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:

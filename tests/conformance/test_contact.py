@@ -99,7 +99,10 @@ class Case:
         block, K = self.block, np.zeros((len(self.q),) * 2)
         buffer, k = np.full(len(block.f_coords), np.nan), np.full(len(block.k_rows), np.nan)
         block.force_tangent(0.0, self.q, self.v, alpha_q, alpha_v, self.q, buffer, k)
-        used = block.k_rows >= 0
+        written = np.repeat(block.k_used, np.diff(block.k_parts))
+        assert np.isfinite(k[written]).all()
+        assert np.isnan(k[~written]).all()
+        used = written & (block.k_rows >= 0)
         np.add.at(K, (block.k_rows[used], block.k_cols[used]), (k * block.k_scale)[used])
         return K
 

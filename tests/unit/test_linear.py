@@ -85,6 +85,7 @@ def indefinite(nx: int, ny: int) -> Floats:
 
 PARDISO = pytest.param("pardiso", marks=pytest.mark.skipif(library() is None, reason="the package mkl is not installed"))
 GENERAL_METHODS = ("auto", "superlu", PARDISO)
+UNSYMMETRIC_METHODS = ("multifrontal", *GENERAL_METHODS)
 INDEFINITE_METHODS = ("multifrontal", *GENERAL_METHODS)
 DEFINITE_METHODS = ("band", *INDEFINITE_METHODS)
 
@@ -147,12 +148,34 @@ def test_saddle_with_singular_stiffness_held_by_constraints(method: Method) -> N
     assert solver.negative_pivots in (0, None)
 
 
-@pytest.mark.parametrize("method", GENERAL_METHODS)
-@pytest.mark.parametrize("m", [0, 5])
+@pytest.mark.parametrize("method", UNSYMMETRIC_METHODS)
+@pytest.mark.parametrize("m", [0, 5, 40])
 def test_unsymmetric(method: Method, m: int) -> None:
     k = plate_like(3, 4)
     k *= 1 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
-    check(k, constraints(len(k), m) if m else None, method, symmetric=False)
+    solver = check(k, constraints(len(k), m) if m else None, method, symmetric=False)
+    assert solver.negative_pivots is None
+    assert not isinstance(solver, AutomaticSolver) or solver.n_general == 0
+
+
+def test_unsymmetric_with_coordinates_that_constraints_alone_determine() -> None:
+    """Six of six coordinates of one node without stiffness, and two coordinates of another held by two constraints."""
+    k = plate_like(3, 2)
+    k *= 1 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
+    k[12:18], k[:, 12:18] = 0.0, 0.0
+    j = np.zeros((8, len(k)))
+    j[:6, 12:18] = np.random.default_rng(7).standard_normal((6, 6))
+    j[6:, 30:32] = [[1.0, 2.0], [-1.0, 1.0]]
+    check(k, j, "multifrontal", symmetric=False)
+
+
+def test_many_multipliers_of_a_stiffness_that_they_make_definite() -> None:
+    """K has zeros on its diagonal, which the general solver alone could take; on the null space of J it is definite."""
+    k = plate_like(2, 3)
+    k[:3], k[:, :3] = 0.0, 0.0
+    solver = check(k, np.vstack([np.eye(len(k))[:3], constraints(len(k), 40)]), "auto")
+    assert isinstance(solver, AutomaticSolver)
+    assert (solver.n_general, solver.negative_pivots) == (0, 0)
 
 
 def test_negative_pivots_on_the_constraint_manifold() -> None:

@@ -8,7 +8,7 @@ from scipy import sparse
 
 from lamella._jit import njit
 from lamella.lane import WIDTH, load_at, spread, store_at
-from lamella.roles import Floats, Ints
+from lamella.roles import Bools, Floats, Ints
 
 Indices = NDArray[np.int32]
 
@@ -76,6 +76,41 @@ def _sum(group_ends: Indices, targets: Indices, sources: Indices, factors: Float
                     total += factors[k] * x[sources[k]]
                 out[targets[i]] = total
                 at += length
+
+
+class PartialSum:
+    """y += E x for a buffer x in parts, of which few are in use: only these are looked at.
+
+    Args:
+        targets, sources, factors: contributions, each with its place in y, its place in x, and its factor, shapes (n,).
+        parts: where each part of x begins, and where the last ends, shape (n_part + 1,).
+    """
+
+    def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints) -> None:
+        order = np.argsort(sources, kind="stable")
+        self._targets: Indices = targets[order].astype(np.int32)
+        self._sources: Indices = sources[order].astype(np.int32)
+        self._factors = factors[order].astype(float)
+        self._starts = np.searchsorted(sources[order], parts)
+
+    def add(self, x: Floats, used: Bools, out: Floats) -> None:
+        """Add the parts in use, (n_part,), to ``out``."""
+        _add_parts(self._starts, self._targets, self._sources, self._factors, x, used, out)
+
+
+@njit
+def _add_parts(starts: Ints, targets: Indices, sources: Indices, factors: Floats, x: Floats, used: Bools, out: Floats) -> None:
+    for part in range(len(used)):
+        if used[part]:
+            for i in range(starts[part], starts[part + 1]):
+                out[targets[i]] += factors[i] * x[sources[i]]
+
+
+@njit
+def add_at(targets: Ints, x: Floats, factor: float, out: Floats) -> None:
+    """out[targets] += factor x, repeated targets each time."""
+    for i in range(len(targets)):
+        out[targets[i]] += factor * x[i]
 
 
 class VectorOperator:

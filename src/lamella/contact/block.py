@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -89,6 +90,7 @@ class ContactBlock(ForceBlock):
         self._anchors = np.full(ANCHOR * n_pairs if law.bristle else 0, np.nan)
         self._heat = 0.0
         self._work, self._totals = aligned(work_size(sheet)), np.zeros(TOTALS)
+        self._seen: tuple[Floats, Floats] | None = None
         self._points = np.zeros(sheet.n_point, np.int64)
         self._no_field = np.zeros(0)
         self._first = first
@@ -129,6 +131,10 @@ class ContactBlock(ForceBlock):
             rows.append(np.where(filler, -1, row).reshape(-1))
             cols.append(np.where(filler, -1, col).reshape(-1))
             scales.append(np.broadcast_to(of * by, shape).reshape(-1))
+        shapes = [part[0] for part in parts]
+        sizes = [np.full(count, prod(shape[1:])) if len(shape) > 2 else [prod(shape)] for shape in shapes]
+        self.k_parts = np.cumsum(np.concatenate([[0], *sizes]))
+        self.k_used = np.zeros(len(self.k_parts) - 1, bool)
         self.k_rows, self.k_cols, self.k_scale = np.concatenate(rows), np.concatenate(cols), np.concatenate(scales)
 
     def _body(self, q: Floats, v: Floats) -> Body:
@@ -138,6 +144,7 @@ class ContactBlock(ForceBlock):
         return Body(q[own], v[own])
 
     def _evaluate(self, q: Floats, v: Floats, f: Floats, field: Floats, *, moving: bool) -> None:
+        self._seen = None  # the totals are overwritten
         force(
             q, v, moving, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors, self._work, f, self._totals, field
         )
@@ -150,13 +157,19 @@ class ContactBlock(ForceBlock):
     ) -> None:
         force_tangent(
             q, v, self.depends_on_velocity, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors,
-            alpha_q, alpha_v, self._work, self._points, f, k,
+            alpha_q, alpha_v, self._work, self._points, f, k, self.k_used,
         )  # fmt: skip
+
+    def _observed(self, q: Floats, v: Floats) -> Floats:
+        """The totals in a state; those of an accepted step are asked for several times, and evaluated once."""
+        if self._seen is None or not (np.array_equal(q, self._seen[0]) and np.array_equal(v, self._seen[1])):
+            self._evaluate(q, v, self._aside, self._no_field, moving=True)
+            self._seen = q.copy(), v.copy()
+        return self._totals
 
     def totals(self, q: Floats, v: Floats) -> ContactTotals:
         """Resultants, energy and powers in a state."""
-        self._evaluate(q, v, self._aside, self._no_field, moving=True)
-        T = self._totals.copy()
+        T = self._observed(q, v).copy()
         return ContactTotals(T[:3], T[3:6], T[6], T[7], T[8], T[9], int(T[10]), T[11], int(T[12]))
 
     def field(self, q: Floats, v: Floats) -> ContactField:
@@ -167,19 +180,20 @@ class ContactBlock(ForceBlock):
         return ContactField(values[..., 0], values[..., 1], values[..., 2:5], values[..., 5:8])
 
     def energy(self, t: float, q: Floats) -> float:
-        self._evaluate(q, np.zeros_like(q), self._aside, self._no_field, moving=False)
-        return float(self._totals[9])
+        known = self._seen is not None and np.array_equal(q, self._seen[0])
+        return float((self._totals if known else self._observed(q, np.zeros_like(q)))[9])
 
     def dissipation(self, t: float, q: Floats, v: Floats) -> float:
-        self._evaluate(q, v, self._aside, self._no_field, moving=True)
-        return float(self._totals[7] + self._totals[8])
+        T = self._observed(q, v)
+        return float(T[7] + T[8])
 
     def settle(self, t: float, q: Floats) -> None:
         if self.law.bristle:
+            self._seen = None
             self._heat += advance(q, self._body(q, q), self.sheet, self.obstacle, self.law, self._anchors, self._work)
 
     def reset(self) -> None:
-        self._anchors[:] = np.nan
+        self._anchors[:], self._seen = np.nan, None
         self._heat = 0.0
 
     def settled_heat(self) -> float:

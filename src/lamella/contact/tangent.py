@@ -21,7 +21,7 @@ from lamella.contact.point import Force, Law, Relative, contact, contact_change,
 from lamella.contact.sheet import Sheet
 from lamella.element.plate48.strain import Vector, combined, combined3, scaled
 from lamella.lane import WIDTH, load_at, spread, store_at
-from lamella.roles import Floats, Ints
+from lamella.roles import Bools, Floats, Ints
 
 UNITS = np.eye(DIRECTIONS).reshape(-1)
 
@@ -123,9 +123,15 @@ def _body_blocks(
 @njit
 def force_tangent(
     q: Floats, v: Floats, moving: bool, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats,
-    alpha_q: float, alpha_v: float, work: Floats, points: Ints, f: Floats, k: Floats,
+    alpha_q: float, alpha_v: float, work: Floats, points: Ints, f: Floats, k: Floats, used: Bools,
 ) -> None:  # fmt: skip
-    """Force and tangent alpha_q df/dq + alpha_v df/dv; ``points`` is room for the numbers of the points that touch."""
+    """Force and tangent alpha_q df/dq + alpha_v df/dv.
+
+    Args:
+        points: room for the numbers of the points that touch.
+        used: which parts of k are written: a block for each element, then, if the body moves, both couplings of each element with
+            the body, and the body's own.
+    """
     f[:] = 0.0
     wide, elements = sheet.vectors, sheet.n_element
     rows = 6 * sheet.n_vector + 6 * sheet.points
@@ -153,12 +159,12 @@ def force_tangent(
                 points[count] = p
                 count += 1
         first, by, of = block * element, by_body + side * element, of_body + side * element
+        used[element] = count > 0
+        if obstacle.moves:
+            used[elements + element] = used[2 * elements + element] = count > 0
         if count > 0:
             _element_block(sheet, points, count, work, rows, k, first)
-        else:
-            k[first : first + block] = 0.0
-        if obstacle.moves and count > 0:
-            _body_blocks(sheet, points, count, work, rows, k, by, of, own)
-        elif obstacle.moves:
-            k[by : by + side] = 0.0
-            k[of : of + side] = 0.0
+            if obstacle.moves:
+                _body_blocks(sheet, points, count, work, rows, k, by, of, own)
+    if obstacle.moves:
+        used[3 * elements] = True

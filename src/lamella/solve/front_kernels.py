@@ -56,7 +56,7 @@ def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
 
 
 @njit
-def _pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
+def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
     """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0]."""
     i = 0
     for column in range(0, columns, 4):
@@ -69,7 +69,7 @@ def _pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, 
 
 
 @njit
-def _subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
+def subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
     """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
 
     Rows are a multiple of WIDTH, columns of 4.
@@ -146,23 +146,23 @@ def _factorise_front(
         for j in range(first, last, 4):
             n, start, width = j - first, j - j % WIDTH, min(4, p - j)
             if n:
-                _pack(a, left + j, a_len, width, signs, sign, b, n)
-                _subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
+                pack(a, left + j, a_len, width, signs, sign, b, n)
+                subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
             failed = _factorise_columns(a, a0, a_len, j, limits, signs, s0)
             if failed >= 0:
                 return failed
         n = last - first
         if last < p:
-            _pack(a, left + last, a_len, p - last, signs, sign, b, n)
-            _subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, b, n)
+            pack(a, left + last, a_len, p - last, signs, sign, b, n)
+            subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, b, n)
         if u_len:
-            _pack(a, left + p, a_len, u_len, signs, sign, b, n)
-            _subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, b, n)
+            pack(a, left + p, a_len, u_len, signs, sign, b, n)
+            subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, b, n)
     return -1
 
 
 @njit
-def _extend_add(
+def extend_add(
     u: Floats, u0: int, u_len: int, runs: Ints, first: int, last: int, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int
 ) -> None:
     """Add a child's update at u[u0] to its parent's panel (a0) and update (t0).
@@ -183,7 +183,7 @@ def _extend_add(
 
 
 @njit
-def _clear(c: Floats, c0: int, n: int) -> None:
+def clear(c: Floats, c0: int, n: int) -> None:
     """c[c0:] = 0 for n entries."""
     for i in range(c0, c0 + n):
         c[i] = 0.0
@@ -214,7 +214,7 @@ def factorise(
         fronts: for each front its first position, pivots (padded), panel column length, panel start in ``a``, remaining rows,
             update column length, update start in ``u``, start of its part of the remaining rows, start of its part of ``runs``,
             first child and next sister (-1 when there is none); shape (n_front + 1, 11), the last row closing the starts.
-        runs: where the remaining rows of a child stand in its parent, see :func:`_extend_add`; shape (n_run, 3).
+        runs: where the remaining rows of a child stand in its parent, see :func:`extend_add`; shape (n_run, 3).
         limits: magnitude that a pivot must exceed, by position.
         a: panels, overwritten by L.
         u: updates (workspace; space is used again when an update has been added to its parent).
@@ -232,11 +232,11 @@ def factorise(
         a[ones[i]] = 1.0
     for f in range(len(fronts) - 1):
         first, p, a_len, a0, u_len, u0 = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
-        _clear(u, u0, u_len * u_len)
+        clear(u, u0, u_len * u_len)
         child = fronts[f, 9]
         while child >= 0:
             r0, r1 = fronts[child, 8], fronts[child + 1, 8]
-            _extend_add(u, fronts[child, 6], fronts[child, 5], runs, r0, r1, a, a0, a_len, p, u0, u_len)
+            extend_add(u, fronts[child, 6], fronts[child, 5], runs, r0, r1, a, a0, a_len, p, u0, u_len)
             child = fronts[child, 10]
         failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits, signs, first, b)
         if failed >= 0:

@@ -61,13 +61,14 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
 
 
 @njit
-def solve(fronts: Ints, rows: Ints, a: Floats, signs: Floats, x: Floats, y: Floats) -> None:
-    """x <- K^-1 x, by position.
+def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floats, y: Floats) -> None:
+    """x <- (L S U)^-1 x, by position.
 
     Args:
         fronts: as in :func:`lamella.solve.front_kernels.factorise`.
         rows: position of each remaining row, front after front.
         a: panels with L.
+        c: panels with U^T, which are those of L for a symmetric matrix.
         signs: signs S by position.
         x: right-hand side and solution by position, zero at padded pivots.
         y: workspace of the longest panel column.
@@ -91,6 +92,6 @@ def solve(fronts: Ints, rows: Ints, a: Floats, signs: Floats, x: Floats, y: Floa
             y[p + i] = x[rows[start + i]]
         for i in range(p + n, a_len):
             y[i] = 0.0
-        _backward(a, a0, a_len, p, y)
+        _backward(c, a0, a_len, p, y)
         for i in range(p):
             x[first + i] = y[i]

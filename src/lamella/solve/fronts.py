@@ -33,8 +33,9 @@ class Front:
 
 
 def nodes_of(pattern: Pattern) -> tuple[list[Ints], sparse.csr_array]:
-    """Groups of coordinates with the same neighbours, and the graph of the groups: ones, with the diagonal."""
-    graph = (pattern.matrix(np.ones(len(pattern.indices))) + sparse.eye_array(pattern.n)).tocsr()
+    """Groups of coordinates with the same neighbours, in A or in A^T, and the graph of the groups: ones, with the diagonal."""
+    ones = pattern.matrix(np.ones(len(pattern.indices)))
+    graph = ((ones if pattern.symmetric else ones + ones.T) + sparse.eye_array(pattern.n)).tocsr()
     graph.sort_indices()
     groups: dict[bytes, list[int]] = {}
     for i in range(pattern.n):

@@ -10,6 +10,7 @@ from lamella.roles import Floats
 from lamella.solve.band import BandCholesky
 from lamella.solve.base import LinearSolver
 from lamella.solve.multifrontal import Multifrontal
+from lamella.solve.null_space import NullSpaceSolver
 from lamella.solve.pardiso import PardisoSolver, library
 from lamella.solve.schur import SchurSolver
 from lamella.solve.superlu import SuperLUSolver
@@ -19,25 +20,25 @@ Method = Literal["auto", "multifrontal", "band", "superlu", "pardiso"]
 PARDISO_FROM = 300
 """Coordinates and multipliers from which PARDISO, when installed, takes the place of SuperLU in ``auto``."""
 
-SUPERLU_COST = 8.0
-"""Time of a general solver for the saddle-point matrix, in factorisations of K by fronts (SuperLU 5 to 12)."""
+LU_COST = 2.0
+"""Time of a factorisation L U on the null space of the constraints, in symmetric ones of K by fronts."""
 
 
 class AutomaticSolver(LinearSolver):
-    """Symmetric factorisation with pivots on the diagonal where that is accurate, a general solver where it is not.
+    """Factorisation with pivots on the diagonal where that is accurate, a general solver where it is not.
 
     A positive definite matrix needs no exchange of rows. A tangent loses definiteness under compression and far from
     equilibrium; its factorisation is then checked, and given up for a general solver when it fails. The next factorisation
     starts with the diagonal again. ``n_general`` counts those that needed the general solver.
 
     Args:
-        symmetric: solver with pivots on the diagonal.
+        fixed: solver with pivots on the diagonal.
     """
 
-    def __init__(self, symmetric: SchurSolver) -> None:
-        self.pattern, self._symmetric = symmetric.pattern, symmetric
+    def __init__(self, fixed: SchurSolver | NullSpaceSolver) -> None:
+        self.pattern, self._fixed = fixed.pattern, fixed
         self._general: LinearSolver | None = None
-        self._active: LinearSolver = symmetric
+        self._active: LinearSolver = fixed
         self.n_general = 0
 
     @property
@@ -47,8 +48,8 @@ class AutomaticSolver(LinearSolver):
 
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise with pivots on the diagonal, else by a general solver, which names the coordinate of a singular matrix."""
-        self._active = self._symmetric
-        if self._symmetric.try_factorise(k, j) < 0:
+        self._active = self._fixed
+        if self._fixed.try_factorise(k, j) < 0:
             return
         if self._general is None:
             self._general = general_solver(self.pattern)
@@ -73,10 +74,9 @@ def linear_solver(pattern: Pattern, method: Method = "auto") -> LinearSolver:
 
     Args:
         pattern: sparsity pattern of K and J.
-        method: ``multifrontal`` (symmetric, pivots on the diagonal), ``band`` (LAPACK, positive definite only), ``superlu`` (any
+        method: ``multifrontal`` (pivots on the diagonal), ``band`` (LAPACK, positive definite only), ``superlu`` (any
             matrix), ``pardiso`` (any matrix; needs the extra ``mkl``), or ``auto``: ``multifrontal``, and ``pardiso`` when
-            installed, else ``superlu``, for the matrices it cannot factorise, for unsymmetric ones, and where the multipliers are
-            so many that their Schur complement costs more.
+            installed, else ``superlu``, for the matrices it cannot factorise.
 
     Raises:
         ValueError: an unknown method, or one that cannot take the pattern.
@@ -91,13 +91,20 @@ def linear_solver(pattern: Pattern, method: Method = "auto") -> LinearSolver:
         return SuperLUSolver(pattern)
     if method == "pardiso":
         return PardisoSolver(pattern)
-    if method == "auto" and not pattern.symmetric:
-        return general_solver(pattern)
-    if not pattern.symmetric:
-        raise ValueError(f"linear solver '{method}' takes symmetric matrices only; choose 'superlu' or 'auto'")
     if method == "band":
+        if not pattern.symmetric:
+            raise ValueError("linear solver 'band' takes symmetric matrices only; choose 'auto'")
         return SchurSolver(BandCholesky(pattern))
-    factor = Multifrontal(pattern)
-    if method == "auto" and 2.0 * pattern.n_lam * factor.size > SUPERLU_COST * factor.cost:
+    if pattern.n <= pattern.n_lam:
         return general_solver(pattern)
-    return AutomaticSolver(SchurSolver(factor)) if method == "auto" else SchurSolver(factor)
+    fixed = _on_diagonal(pattern)
+    return AutomaticSolver(fixed) if method == "auto" else fixed
+
+
+def _on_diagonal(pattern: Pattern) -> SchurSolver | NullSpaceSolver:
+    """The faster solver with pivots on the diagonal; with many multipliers their Schur complement costs too much."""
+    if pattern.symmetric:
+        factor = Multifrontal(pattern)
+        if 2.0 * pattern.n_lam * factor.size <= LU_COST * factor.cost:
+            return SchurSolver(factor)
+    return NullSpaceSolver(pattern)

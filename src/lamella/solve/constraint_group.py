@@ -1,0 +1,75 @@
+"""Constraints that have coordinates in common, and the motions that they allow."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import get_lapack_funcs
+from scipy.sparse.csgraph import connected_components
+
+from lamella.assembly.pattern import Pattern
+from lamella.roles import Floats, Ints
+from lamella.solve.base import PIVOT_TOLERANCE
+
+_geqrf, _orgqr, _trtrs = get_lapack_funcs(("geqrf", "orgqr", "trtrs"), dtype=np.float64)
+
+
+class Group:
+    """Constraints that have coordinates in common, and the motions that they allow.
+
+    Args:
+        rows: the constraints, rows of J, shape (l,).
+        coords: the coordinates in them, shape (m,).
+        pattern: pattern of K and J.
+    """
+
+    def __init__(self, rows: Ints, coords: Ints, pattern: Pattern) -> None:
+        self.rows, self.coords = rows, coords
+        self.n_motion = max(len(coords) - len(rows), 0)
+        row_of, column_of = pattern.j_rows, np.asarray(pattern.j_indices, np.int64)
+        self._entries = np.flatnonzero(np.isin(row_of, rows))
+        self._places = np.searchsorted(coords, column_of[self._entries]), np.searchsorted(rows, row_of[self._entries])
+
+    def decompose(self, j: Floats, stiffness: Floats) -> int:
+        """Find motions N (m, m - l) with J N = 0, and P (m, l) with J P = 1; -1, or the constraint that repeats others.
+
+        Coordinates of different units are made alike by their stiffness d_i^2: with (J d^-1)^T = [Q_1 Q_2] [R, 0]^T,
+
+            N = d^-1 Q_2,      P = d^-1 Q_1 R^-T
+
+        Args:
+            j: entries of J.
+            stiffness: diagonal of K, shape (n,).
+        """
+        m, n_lam = len(self.coords), len(self.rows)
+        if n_lam > m:
+            return int(self.rows[-1])
+        d = np.sqrt(np.abs(stiffness[self.coords]))
+        if not d.all():
+            d[d == 0.0] = d[d > 0.0].min(initial=1.0)
+        J = np.zeros((len(self.coords), n_lam), order="F")
+        J[self._places] = j[self._entries]
+        J /= d[:, None]
+        qr, tau, _, _ = _geqrf(J)
+        pivots, size = np.abs(qr.diagonal()), np.sqrt((J**2).sum(axis=0))
+        if not (pivots > PIVOT_TOLERANCE * size).all():  # or not a number
+            return int(self.rows[np.argmin(pivots / np.maximum(size, np.finfo(float).tiny))])
+        Q = np.zeros((m, m), order="F")
+        Q[:, :n_lam] = qr
+        Q = _orgqr(Q, tau, overwrite_a=1)[0]
+        Q /= d[:, None]
+        self.N = np.ascontiguousarray(Q[:, n_lam:])
+        self.P = _trtrs(qr[:n_lam], Q[:, :n_lam].T)[0].T
+        return -1
+
+
+def groups_of(pattern: Pattern) -> list[Group]:
+    """The groups of a pattern's constraints."""
+    n, n_lam = pattern.n, pattern.n_lam
+    rows, cols = pattern.j_rows, np.asarray(pattern.j_indices, np.int64)
+    graph = sparse.coo_array((np.ones(len(rows)), (rows, n_lam + cols)), shape=(n_lam + n, n_lam + n))
+    label = connected_components(graph, directed=False)[1]
+    return [
+        Group(np.flatnonzero(label[:n_lam] == number), np.flatnonzero(label[n_lam:] == number), pattern)
+        for number in np.unique(label[:n_lam])
+    ]

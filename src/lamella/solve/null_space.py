@@ -1,0 +1,107 @@
+"""A matrix with multipliers, reduced to the motions that its constraints allow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lamella.assembly.pattern import Pattern
+from lamella.errors import SingularSystemError
+from lamella.roles import Floats
+from lamella.solve.base import BACKWARD_ERROR_LIMIT, LinearSolver, not_finite
+from lamella.solve.constraint_group import groups_of
+from lamella.solve.lu import MultifrontalLU
+from lamella.solve.null_space_kernels import product
+from lamella.solve.reduction import Reduction
+from lamella.solve.saddle import probe
+
+REFINE_ABOVE = 1e-13
+"""Backward error of a factorisation above which each solution is refined once."""
+
+
+class NullSpaceSolver(LinearSolver):
+    """Solves [[K, J^T], [J, 0]] [x, y] = [r, s] on the null space of J.
+
+    Constraints touch few coordinates: the axes of a rigid body, the nodes at a joint. Those of a group of constraints that
+    have coordinates in common are expressed by the group's motions w, see :class:`lamella.solve.constraint_group.Group`,
+
+        x_g = N w + P s_g,      y_g = P^T (r - K x)_g
+
+    and all others are motions themselves. What is left, N^T K N, has fewer rows than K and no multipliers, and where the
+    unconstrained K is not, it may be positive definite. It is factorised as L U with pivots on the diagonal, which is checked.
+
+    Args:
+        pattern: pattern of K and J.
+
+    Source: M. Benzi, G. H. Golub, J. Liesen, Acta Numerica 14 (2005) 1-137, section 6.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern = pattern
+        self._groups = groups_of(pattern)
+        self._map = Reduction(pattern, self._groups)
+        self._lu = MultifrontalLU(self._map.reduced)
+        self._k = np.zeros(len(self._map.reduced.indices))
+        self._probe = probe(self._map.reduced.n)
+        self._usable = self._refine = False
+
+    @property
+    def negative_pivots(self) -> int | None:
+        """Of K on the null space of J, known where K is symmetric."""
+        return self._lu.negative_pivots if self._usable and self.pattern.symmetric else None
+
+    def factorise(self, k: Floats, j: Floats) -> None:
+        """Factorise; an error also when the matrix is regular but the pivots on the diagonal cannot be used."""
+        free = self.try_factorise(k, j)
+        if free >= 0:
+            where = f"row {free} of {self.pattern.n + self.pattern.n_lam}"
+            raise not_finite(self.pattern, k, j) or SingularSystemError(f"the system matrix has no usable pivot at {where}", free)
+
+    def try_factorise(self, k: Floats, j: Floats) -> int:
+        """Factorise; -1, or the coordinate or multiplier without a usable pivot."""
+        self._usable = False
+        stiffness = self.pattern.diagonal(k)
+        for group in self._groups:
+            repeated = group.decompose(j, stiffness)
+            if repeated >= 0:
+                return self.pattern.n + repeated
+        self._map.reduce(k, self._k)
+        free = self._lu.factorise(self._k)
+        if free < 0:
+            error = self._backward_error()
+            self._refine = error > REFINE_ABOVE
+            self._usable = error <= BACKWARD_ERROR_LIMIT
+            free = -1 if self._usable else 0
+        return -1 if free < 0 else self._map.coordinate_of(free)
+
+    def _backward_error(self) -> float:
+        """Largest |A z - b| / (|z| + |b|) for a known right-hand side of the matrix scaled to a diagonal of 1."""
+        scale = np.sqrt(np.maximum(np.abs(self._map.reduced.diagonal(self._k)), np.finfo(float).tiny))
+        b = self._probe * scale
+        x = self._lu.solve(b)
+        error = np.abs(self._residual(b, x) / scale).max(initial=0.0)
+        return float(error / (np.abs(x * scale).max(initial=0.0) + 1.0))
+
+    def _residual(self, b: Floats, x: Floats) -> Floats:
+        """b - N^T K N x."""
+        found = np.empty_like(b)
+        product(self._map.reduced.indptr, self._map.reduced.indices, self._k, x, found)
+        return b - found
+
+    def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
+        """Solve by one reduced solution; the multipliers follow from the rows of the constrained coordinates."""
+        if not self._usable:
+            raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
+        x, y = np.zeros(self.pattern.n), np.zeros(self.pattern.n_lam)
+        rest = r
+        if s.any():
+            for group in self._groups:
+                x[group.coords] = group.P @ s[group.rows]
+            rest = self._map.without_constrained(r, x)
+        b = self._map.gathered(rest)
+        w = self._lu.solve(b)
+        if self._refine:
+            w += self._lu.solve(self._residual(b, w))
+        self._map.spread(w, x)
+        for group, force in self._map.forces_on_groups(r, x):
+            y[group.rows] = force @ group.P
+        return x, y
