@@ -15,6 +15,7 @@ from lamella.critical import CriticalPoint
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.verification import Check, Curves, Evidence, References, Shape
+from lamella.verification.diagram import distances
 
 slow = True
 
@@ -69,9 +70,9 @@ def compared(references: References, h: float, layup: str, result: Result) -> It
         root = root_scalar(lambda w: along(w) - published_load, bracket=(published_w - 1.5, published_w + 1.0)).root
         yield references.check(name, float(root))
     points = np.array(published_path(references, h, layup))
-    yield references.check(
-        f"{roof}: distance of the published path", distance(points, np.stack([sinking(result), load(result, h)]))
-    )
+    curve = np.stack([sinking(result), load(result, h)])
+    scale = np.abs(curve).max(axis=1, keepdims=True)
+    yield references.check(f"{roof}: distance of the published path", distances(points / scale, curve / scale).max())
     yield references.check(f"{roof}: number of limit points", len(limits))
     yield references.check(
         f"{roof}: work of the load over strain energy", 1e-3 * work(result, h) / (4 * result["energy.strain"].values[-1])
@@ -85,15 +86,6 @@ def published_path(references: References, h: float, layup: str) -> tuple[list[f
     w, P = references.points(f"h = {h}, {layup}: published path")
     kept = [k for k, value in enumerate(P) if value <= LAST[h]]
     return [w[k] for k in kept], [P[k] for k in kept]
-
-
-def distance(points: Floats, curve: Floats) -> float:
-    """Largest distance of points (2, n) from a curve through (2, m), each axis over the largest value of the points' curve."""
-    scale = np.abs(curve).max(axis=1, keepdims=True)
-    nodes, points = curve / scale, points / scale
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(nodes)))])
-    fine = CubicSpline(length, nodes, axis=1)(np.linspace(0.0, length[-1], 200 * nodes.shape[1]))
-    return float(np.linalg.norm(points[:, :, None] - fine[:, None, :], axis=0).min(axis=1).max())
 
 
 def converging(references: References) -> Iterator[Check]:
