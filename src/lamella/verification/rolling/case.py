@@ -70,8 +70,8 @@ def run() -> Iterator[Evidence]:
             R_e, braking = conforming(theta)
             a = (G * np.sin(theta) - braking / MASS) / (1 + INERTIA / (MASS * R_e**2))
             turning, source, tolerance = a / R_e, "rolling with slip where it cannot roll", 2e-3
-            # It brakes by 0.52 % of what drives. Bristles let points slip by 5 um, the stretch mu p / k_t, three times (where they
-            # enter, and where slip changes its sign) on their way of 110 um of slip: a seventh to a fifth less heat, 0.1 %, and c
+            # It brakes by 0.52 % of what drives. Bristles let points slip by 5 um, the stretch mu p / k_t, thrice (where they
+            # enter, and where slip changes its sign) on their way of 110 um: a seventh to a fifth less heat, 0.1 %, and c
             # is as uncertain, a seventh of 0.4 % of R_e.
             why = "bristles stretch before they slide: a fifth less of 0.5 % of braking, and 0.1 % of R_e"
         else:
