@@ -87,7 +87,11 @@ def balance(run: Result) -> Iterator[Evidence]:
     """Forces on the rollers, speeds and energy."""
     force = {(k, axis): mean(run, f"touch{k}.force", axis) for k in (1, 2, 3) for axis in "xyz"}
     why = "roller 2 still moves by some 0.1 mm/s, with 3000 N s/m at its damper; elements pass at 24 Hz with ripples of 100 N"
-    expected = ((2, -ENDS, "force of the belt on roller 2 along x"), (1, ENDS, "on roller 1"), (3, 0.0, "on roller 3"))
+    expected = (
+        (2, -ENDS, "force of the belt on roller 2 along x"),
+        (1, ENDS, "force of the belt on roller 1 along x"),
+        (3, 0.0, "force of the belt on roller 3 along x"),
+    )
     for k, reference, name in expected:
         yield Check(name, force[k, "x"], reference, 5.0, "absolute", "equilibrium of the roller and the belt", "N", reason=why)
     why = "momentum of 9.6 kg that changes by less than 1e-3 m/s in the time of the mean"
