@@ -384,3 +384,94 @@ def test_an_obstacle_in_the_sheet_at_the_start_is_named_with_depth_and_place():
         in said
     )
     assert "accepted is up to half the thickness, 0.01 m" in said
+
+
+def refused(*placed, belt=True, bodies=True):
+    """What is said about rollers 'a', 'b' ... of a radius, centre and axis in a belt of 2.5 m, R = 0.398 m."""
+    if belt:
+        shell = lm.Shell("belt", lm.BeltSurface(2.5, 0.8), (24, 1), LAMINATE, position=(0, 0, -0.4))
+    else:
+        shell = lm.Plate("sheet", (2.0, 2.0), (2, 2), LAMINATE, position=(0, 0, -5.0))
+    build, ground = Build(), lm.Ground()
+    items = [ground, shell]
+    for name, (radius, centre, axis) in zip("abc", placed, strict=False):
+        roller = lm.RigidBody(f"roller_{name}", mass=1.0, inertia=(1, 1, 1), position=centre)
+        items.insert(0, roller)
+        at = roller.origin if bodies else ground.marker(name, *centre)
+        items.append(lm.CylinderContact(name, shell, at, radius, 1.2, axis, stiffness=1e8))
+    try:
+        for item in items:
+            item.contribute(build)
+    except DeclarationError as error:
+        return str(error)
+    return ""
+
+
+Z = (0, 0, 1)
+
+
+def test_rollers_that_overlap_are_named_with_radii_and_distance():
+    said = refused((0.15, (-0.14, 0, 0), Z), (0.12, (0.12, 0, 0), Z))
+    assert said == (
+        "CylinderContact 'b': its cylinder at roller_b.origin and that of 'a' overlap by 0.01 m at the start: "
+        "radii of 0.12 and 0.15 m, axes 0.26 m apart; "
+        "accepted are cylinders that are apart, or both on one body; move one of them"
+    )
+    assert not refused((0.15, (-0.15, 0, 0), Z), (0.12, (0.121, 0, 0), Z))
+    assert not refused((0.15, (-0.14, 0, 0), Z), (0.12, (0.12, 0, 0), Z), bodies=False)  # one obstacle of two cylinders
+
+
+@pytest.mark.parametrize(
+    ("centre", "axis", "overlap"),
+    [
+        ((0.25, 0, 0), (0.02, 0, 1), True),  # askew: the middles are apart, the ends are not
+        ((0.25, 0, 0.55), (0.02, 0, 1), True),
+        ((0.25, 0, 1.15), (-0.02, 0, 1), False),  # leans away where they are side by side
+        ((0.25, 0, 0), (0, 0.02, 1), False),
+        ((0.0, 0.1, 0.0), (1, 0, 0), True),  # crosswise
+        ((0.0, 0.25, 0.0), (1, 0, 0), False),
+        ((0.0, 0.0, 1.25), Z, False),  # one behind the other
+        ((0.0, 0.0, 1.15), Z, True),
+        ((0.1, 0.0, 1.25), Z, False),
+    ],
+)
+def test_overlap_of_rollers_in_any_place(centre, axis, overlap):
+    said = refused((0.12, (0, 0, 0), Z), (0.12, centre, axis), belt=False)
+    assert ("overlap by" in said) == overlap
+
+
+def test_a_belt_too_short_for_its_rollers_is_told_what_it_needs():
+    """Around two circles of 0.15 m that are 0.8 m apart are 2 x 0.8 + 2 pi 0.15 = 2.542 m."""
+    said = refused((0.15, (-0.2, 0, 0), Z), (0.15, (0.395, 0, 0), Z), (0.15, (0.0, 0.35, 0), Z))
+    assert "overlaps" in said  # long enough, but the second is not within the circle
+    said = refused((0.15, (-0.24, 0, 0), Z), (0.25, (0.385, 0, 0), Z))
+    needed = 2 * np.sqrt(0.625**2 - 0.1**2) + np.pi * 0.4 + 2 * np.arcsin(0.1 / 0.625) * 0.1
+    assert said == (
+        f"CylinderContact 'b': 'belt' is 2.5 m around at the start, the cylinders inside it, 'a' and 'b', are {needed:.4g} m; "
+        "accepted is a longer shell, or smaller or closer cylinders"
+    )
+    assert "the cylinders inside it, 'a', are 2.639 m" in refused((0.42, (0, 0, 0), Z))
+    assert not refused((0.2, (-0.19, 0, 0), Z), (0.12, (0.6, 0, 0), Z))  # the second presses from outside
+
+
+def test_a_roller_that_cuts_the_belt_is_named():
+    said = refused((0.12, (0.45, 0, 0), Z))
+    assert "CylinderContact 'a': the obstacle at roller_a.origin overlaps 'belt' by 0.0" in said
+    assert "accepted is up to half the thickness, 0.01 m" in said
+
+
+def test_statics_finds_how_deep_a_block_sinks():
+    """Depth (m g / (k A))^(2/3); friction has no part in it."""
+    side, mass, k = 0.2, 6.4, 1e9
+    block = lm.Plate(
+        "block", (side, side), (1, 1), lm.Laminate(lm.Isotropic(E=2e11, nu=0.3, rho=8000), thickness=0.02), strain="rigid",
+        position=(0, 0, 0.01 - 1e-5),
+    )  # fmt: skip
+    system, ground = lm.System(), lm.Ground()
+    floor = lm.PlaneContact("floor", block, ground.origin, stiffness=k, damping=0.4, mu=0.3)
+    guide = lm.PrismaticJoint("guide", ground.marker("middle", 0.1, 0.1, 0.01), block.marker("middle", 0.1, 0.1))
+    for item in (ground, block, floor, guide, lm.Gravity("weight", (0, 0, -9.81))):
+        system.add(item)
+    result = lm.equilibrium(system)
+    assert float(result["floor.depth"]) == pytest.approx((mass * 9.81 / (k * side**2)) ** (2 / 3), rel=1e-8)
+    assert result["floor.force"].values[2] == pytest.approx(-mass * 9.81, rel=1e-8)

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 
 import lamella as lm
+from lamella.errors import DeclarationError
 from lamella.examples import examples
 from lamella.io.model_file import read_model
 from lamella.io.results import read_result
+from lamella.study.measures import time_average
 
 Command = Callable[..., subprocess.CompletedProcess[str]]
 BRIEF = [word for key in ("animation", "paraview", "pictures", "report") for word in ("--set", f"output.{key}=false")]
@@ -218,6 +223,41 @@ def test_a_belt_is_tightened(here: Command, tmp_path: Path) -> None:
     tilt = result["end_a.position"].values[:, 0] - result["end_b.position"].values[:, 0]
     assert np.abs(tilt).max() < 1e-9
     assert np.abs(result["centre.position"].values[:, 2]).max() < 1e-9
+
+
+@pytest.mark.slow
+def test_generalised_alpha_and_bdf_tighten_the_same_belt(here: Command, tmp_path: Path) -> None:
+    """One override changes the method; both are of second order."""
+    common = ("--set", "analysis.run.t_end=0.3 s", "--set", "output.frames=4", "--quiet", "--no-pictures", *BRIEF)
+    bdf = ("--set", "analysis.run.integrator={type: bdf, dt: 1 ms, dt_max: 2 ms}")
+    found = []
+    for name, method in (("alpha", ()), ("bdf", bdf)):
+        done = here("run", str(examples()["corrugator"].model), "--out", name, *method, *common)
+        assert done.returncode == 0, done.stderr
+        result = read_result(tmp_path / name / "run.h5")
+        assert result.outcome.completed
+        late = result.at > 0.2
+        x = result["roller2.position"].values[:, 0]
+        pressed = time_average(result.at[late], result["touch3.force"].values[late, 1])
+        found.append((x[-1] - x[0], pressed, float(np.abs(result["centre.position"].values[:, 2]).max())))
+        assert np.abs(result["energy.balance"].values[-1]) < 0.01 * np.abs(result["work.loads"].values[-1])
+    (x_alpha, pressed_alpha, z_alpha), (x_bdf, pressed_bdf, z_bdf) = found
+    assert x_bdf == pytest.approx(x_alpha, rel=1e-3)  # local errors of 1e-5 of the size of the belt at most
+    assert pressed_bdf == pytest.approx(pressed_alpha, rel=0.01)  # the mean of what rings; each method damps it in its own way
+    assert max(z_alpha, z_bdf) < 1e-9
+
+
+def test_a_study_cut_short_says_what_is_missing() -> None:
+    """Before the belt has gone around once there is nothing to average."""
+    study = importlib.import_module("lamella.examples.corrugator.study")
+    for speed in (0.0, 12.0):
+        at = np.linspace(0.0, 1.0, 5)
+        values = xarray.DataArray(speed * at[:, None] * [0, 0, 1], dims=("time", "component"), coords={"component": list("xyz")})
+        short = SimpleNamespace(at=at, history=lambda name, values=values: values)
+        with pytest.raises(
+            DeclarationError, match=r"study corrugator: a run ends at 1 s, before the belt .* accepted is a later"
+        ):
+            study.settled(short)
 
 
 @pytest.mark.slow

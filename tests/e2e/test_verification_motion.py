@@ -8,6 +8,7 @@ from lamella.verification import find_cases, run_cases
 from lamella.viz.case_pictures import drawn
 
 CASES = (
+    "belt-running",
     "block-on-plane",
     "capstan",
     "damping",

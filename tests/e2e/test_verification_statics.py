@@ -10,6 +10,7 @@ from lamella.verification.runner import find_cases, run_case
 from lamella.viz.case_pictures import drawn
 
 CASES = (
+    "belt-two-rollers",
     "hinged-roofs",
     "liu-laminates",
     "membrane-locking",

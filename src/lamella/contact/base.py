@@ -17,7 +17,8 @@ from lamella.contact.block import ContactBlock, ContactTotals
 from lamella.contact.friction import BristleFriction, Friction, RegularisedFriction
 from lamella.contact.gap import Obstacle
 from lamella.contact.point import Law
-from lamella.contact.sheet import places, sheet_of
+from lamella.contact.sheet import sheet_of
+from lamella.contact.start import check_start
 from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
 from lamella.errors import DeclarationError
@@ -26,8 +27,6 @@ from lamella.state import State
 from lamella.units import NonNegative, Number, Positive, quantity
 
 if TYPE_CHECKING:
-    from lamella.body.mesh import PlateMesh
-
     ContactDamping = float
 else:
     ContactDamping = quantity("s/m", ge=0)
@@ -107,33 +106,15 @@ class Contact(ContactPair):
         """Add the block and its signals.
 
         Raises:
-            DeclarationError: the obstacle reaches the shell's reference surface at the start.
+            DeclarationError: the obstacle has no place at the start; see :func:`lamella.contact.start.check_start`.
         """
         mesh = self.shell.compiled(build)
         body = self.at.body
         first = body.compiled(build).first if isinstance(body, RigidBody) else None
         block = ContactBlock(self.name, sheet_of(mesh, self.points), self.obstacle(), self.law, first)
-        self._check_start(build, mesh, block)
+        check_start(self.item, self.at, build, mesh, block)
         build.forces.append(block)
         build.signals.extend(contact_signals(block))
-
-    def _check_start(self, build: Build, mesh: PlateMesh, block: ContactBlock) -> None:
-        """Refuse an obstacle that reaches the reference surface: deeper in, it would push the sheet out on the other side."""
-        q = build.initial.reshape(-1)
-        depth = -block.field(q, np.zeros_like(q)).gap
-        allowed = block.sheet.half_thickness[:, None]
-        element, point = np.unravel_index(int(np.argmax(depth - allowed)), depth.shape)
-        if depth[element, point] > allowed[element, 0]:
-            j, i = divmod(int(element), mesh.nx)
-            xi, eta = (float(share[point]) for share in places(self.points))
-            x, y = (i + xi) * mesh.lx, (j + eta) * mesh.ly
-            r = mesh.locate((x, y)).at(build.initial)
-            raise DeclarationError(
-                self.item,
-                f"the obstacle at {self.at} overlaps '{self.shell.name}' by {depth[element, point]:.4g} m at the start, at "
-                f"x = {x:.4g}, y = {y:.4g} m of the shell, ({', '.join(f'{c:.4g}' for c in r)}) m in space",
-                f"accepted is up to half the thickness, {allowed[element, 0]:.4g} m; move one of them",
-            )
 
 
 def unit_axis(item: str, name: str, axis: Direction) -> tuple[float, float, float]:

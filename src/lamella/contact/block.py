@@ -93,7 +93,7 @@ class ContactBlock(ForceBlock):
         self._seen: tuple[Floats, Floats] | None = None
         self._points = np.zeros(sheet.n_point, np.int64)
         self._no_field = np.zeros(0)
-        self._first = first
+        self.first = first
         self._list_entries()
         self._aside = np.zeros(len(self.f_coords))
 
@@ -105,7 +105,7 @@ class ContactBlock(ForceBlock):
         coords[:, :, :n] = sheet.coords.reshape(count, n, 3).transpose(0, 2, 1)
         scale = np.zeros((count, 1, wide))
         scale[:, 0, :n] = sheet.scale.reshape(count, n)
-        body: Ints = np.zeros(0, np.int64) if self._first is None else 3 * self._first + np.arange(12)
+        body: Ints = np.zeros(0, np.int64) if self.first is None else 3 * self.first + np.arange(12)
         self.f_coords = np.concatenate([coords.reshape(-1), body])
         self.f_scale = np.concatenate([(scale * np.ones((1, 3, 1))).reshape(-1), np.ones(len(body))])
         shape = (count, 3, 3, n, wide)
@@ -138,10 +138,15 @@ class ContactBlock(ForceBlock):
         self.k_rows, self.k_cols, self.k_scale = np.concatenate(rows), np.concatenate(cols), np.concatenate(scales)
 
     def _body(self, q: Floats, v: Floats) -> Body:
-        if self._first is None:
+        if self.first is None:
             return Body(FIXED, np.zeros(12))
-        own = slice(3 * self._first, 3 * self._first + 12)
+        own = slice(3 * self.first, 3 * self.first + 12)
         return Body(q[own], v[own])
+
+    def place(self, q: Floats) -> tuple[Floats, Floats]:
+        """Centre of the obstacle [m] and its axis in a state."""
+        vectors = self._body(q, q).x.reshape(4, 3)
+        return vectors[0] + self.obstacle.centre @ vectors[1:], self.obstacle.axis @ vectors[1:]
 
     def _evaluate(self, q: Floats, v: Floats, f: Floats, field: Floats, *, moving: bool) -> None:
         self._seen = None  # the totals are overwritten

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from lamella.contact.block import ContactBlock
+from lamella.errors import DeclarationError
 from lamella.examples.corrugator import drawing
 from lamella.examples.swing import Numbers, rounded
 from lamella.result import Result
@@ -46,10 +47,21 @@ def study(study: Study) -> Iterator[Finding]:
 
 
 def settled(run: Result) -> float:
-    """When the belt has gone around once at full speed [s]."""
+    """When the belt has gone around once at full speed [s].
+
+    Raises:
+        DeclarationError: the run ends before.
+    """
     t, speed = component(run, "roller3.angular_velocity", "z")
     full = float(speed.max())
-    return float(t[np.argmax(speed > 0.9999 * full)]) + LENGTH / (full * (R3 + 0.5 * H))
+    once = float(t[np.argmax(speed > 0.9999 * full)]) + LENGTH / (full * (R3 + 0.5 * H)) if full > 0.0 else np.inf
+    if once >= t[-1]:
+        raise DeclarationError(
+            "study corrugator",
+            f"a run ends at {t[-1]:.4g} s, before the belt has gone around once at full speed",
+            "accepted is a later analysis.run.t_end; a copy of the model file alone may be run to any time",
+        )
+    return once
 
 
 def mean(run: Result, name: str, label: str) -> float:
