@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from lamella.study.study import Study
 
-VIEW = (0.35, -0.45, -1.0)
-"""Direction in which the camera looks."""
+VIEW = (0.0, -0.4, 1.0)
+"""Direction in which the camera looks: along the axles, from above; X points to the left."""
 STICK, SLIP = "#dcebe3", "#f7dfe2"
 """Behind the arcs of stick and of slip."""
 OUTWARD = 0.4e-6
@@ -197,7 +197,7 @@ def shaded(study: Study, run: Result) -> None:
     folder = study.folder / "pictures"
     field, label = "membrane_strain.xx", "Membrane strain along the belt [–]"
     shape = picture(run, folder / "belt.png", field=field, view=VIEW, per_element=8, label=label)
-    study.captions[shape] = "The belt on its pulleys at the end, coloured by its strain."
+    study.captions[shape] = "The belt on its pulleys at the end, coloured by its strain; seen from behind, pulley 1 on the right."
     moving = animation(run, folder / "motion.gif", field=field, view=VIEW, frames=60, per_element=6)
     study.captions[moving] = "The motion."
     study.files += [shape, moving]
