@@ -95,6 +95,7 @@ if TYPE_CHECKING:
     from lamella.statics import equilibrium_path as equilibrium_path
     from lamella.surface.function import FunctionSurface as FunctionSurface
     from lamella.surface.points import PointSurface as PointSurface
+    from lamella.surface.pulleys import PulleySurface as PulleySurface
     from lamella.surface.revolution import AnnulusSurface as AnnulusSurface
     from lamella.surface.revolution import BeltSurface as BeltSurface
     from lamella.surface.revolution import ConeSurface as ConeSurface
@@ -182,6 +183,7 @@ _HOME = {
     "statics": ("equilibrium", "equilibrium_path"),
     "surface.function": ("FunctionSurface",),
     "surface.points": ("PointSurface",),
+    "surface.pulleys": ("PulleySurface",),
     "surface.revolution": ("AnnulusSurface", "BeltSurface", "ConeSurface", "CylinderSurface", "SphereSurface"),
     "system": ("System",),
 }

@@ -15,6 +15,7 @@ SURFACES = {
     "cone": lm.ConeSurface(radii=(0.5, 0.9), height=1.1, angle=(-0.4, 1.0)),
     "sphere": lm.SphereSurface(radius=1.3, latitude=(-0.3, 1.1), angle=(0.0, 2.0)),
     "annulus": lm.AnnulusSurface(radii=(0.6, 1.0), closed=True),
+    "pulleys": lm.PulleySurface(pulleys=[(0, 0, 0.1), (1.0, 0.1, 0.3), (0.4, 0.8, 0.2)], width=0.5),
     "points": lm.PointSurface([[(u, v, 0.1 * u * u - 0.2 * u * v) for u in np.linspace(0, 1, 7)] for v in np.linspace(0, 2, 6)]),
     "tube": lm.PointSurface([[(x, y, z) for x, y in RING] for z in (0.0, 0.4, 0.8)], closed="x"),
     "function": lm.FunctionSurface(lambda x, y: np.stack([x, y, 0.2 * np.sin(2 * x) * np.cos(y)], axis=1), lengths=(1.5, 1.0)),
@@ -45,7 +46,7 @@ def test_closed_surfaces_end_as_they_begin(surface):
 
 
 def test_parameters_are_arc_lengths_where_it_is_said():
-    for name, place in (("cylinder", 0.4), ("belt", 0.2), ("sphere", 0.3 * 1.3)):  # the sphere at its equator
+    for name, place in (("cylinder", 0.4), ("belt", 0.2), ("pulleys", 0.2), ("sphere", 0.3 * 1.3)):  # the sphere at its equator
         at = SURFACES[name].at(np.array([0.3]), np.array([place]))
         assert np.linalg.norm(at.r_x) == pytest.approx(1.0, abs=1e-12)
         assert np.linalg.norm(at.r_y) == pytest.approx(1.0, abs=1e-12)
@@ -66,9 +67,31 @@ def test_points_of_a_circle_give_the_circle():
     np.testing.assert_allclose(at.r[:, 2], 0.3, atol=1e-12)
 
 
+def test_a_belt_around_pulleys():
+    """Open and equal: two strands and two half circles. Unequal: the closed form of an open belt drive."""
+    assert lm.PulleySurface([(0, 0, 0.1), (0.4, 0, 0.1)], 0.05).size == pytest.approx((0.8 + 0.2 * np.pi, 0.05))
+    R, r, d = 0.3, 0.1, 1.0
+    beta = np.arcsin((R - r) / d)
+    belt = lm.PulleySurface([(0, 0, R), (0, d, r)], 0.05)
+    length = 2 * d * np.cos(beta) + np.pi * (R + r) + 2 * beta * (R - r)
+    assert belt.size[0] == pytest.approx(length)
+    at = belt.at(np.linspace(0.0, length, 201), np.zeros(201))
+    apart = np.stack([np.hypot(at.r[:, 0], at.r[:, 1]) - R, np.hypot(at.r[:, 0], at.r[:, 1] - d) - r])
+    assert apart.min() == pytest.approx(0.0, abs=1e-12)  # it enters none
+    touching = np.abs(apart) < 1e-9
+    np.testing.assert_allclose(
+        touching.mean(axis=1), [(np.pi + 2 * beta) * R / length, (np.pi - 2 * beta) * r / length], atol=0.02
+    )
+    outward = np.cross(at.r_x, at.r_y)
+    assert (np.sum(outward * (at.r - [0, 0.5, 0]), axis=1) > 0.0).all()
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
+        (lambda: lm.PulleySurface([(0, 0, 0.1)], 0.1), "accepted are two or more"),
+        (lambda: lm.PulleySurface([(0, 0, 0.1), (0.15, 0, 0.1)], 0.1), "pulleys 1 and 2 overlap: 0.15 m"),
+        (lambda: lm.PulleySurface([(0, 0, 0.1), (0, 1, 0.1), (1, 0, 0.1)], 0.1), "counter-clockwise order"),
         (lambda: lm.CylinderSurface(radius=0.0, length=1.0), "radius = 0"),
         (lambda: lm.CylinderSurface(radius=1.0, length=1.0, angle=(1.0, 0.5)), "an angle that grows"),
         (lambda: lm.CylinderSurface(radius=1.0, length=1.0, angle=(0.0, 7.0)), "up to one turn"),
