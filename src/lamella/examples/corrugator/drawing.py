@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 VIEW = (0.0, -0.45, 1.0)
 """Direction in which the camera looks: along the rollers, from above; X points to the left."""
-FINE = 24
-"""Grid intervals along the sides of elements, which are 13 times as wide as they are long, in pictures."""
 MOMENTS = (0.0, 0.07, 0.2, 0.45, 0.7, 1.0)
 """Times of the snapshots, as shares of the run."""
 
@@ -113,9 +111,9 @@ def shaded(study: Study, run: Result) -> None:
         ("stress-map", [at[-1]], "von_mises", "Figure 11: von Mises stress at full speed."),
         ("strain-map", [at[-1]], "membrane_strain.xx", "Membrane strain along the belt at full speed."),
     ):
-        shape = picture(run, folder / f"{name}.png", at=times, field=field, view=VIEW, per_element=FINE)
+        shape = picture(run, folder / f"{name}.png", at=times, field=field, view=VIEW)
         study.captions[shape] = caption
         study.files.append(shape)
-    moving = animation(run, folder / "motion.gif", field="von_mises", view=VIEW, frames=24, per_element=16)
+    moving = animation(run, folder / "motion.gif", field="von_mises", view=VIEW, frames=24)
     study.captions[moving] = "The belt's motion, coloured by von Mises stress."
     study.files.append(moving)
