@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -89,6 +90,6 @@ class ShellRecovery:
         return np.einsum("dns,nsc->dnc", shape, coordinates.reshape(len(coordinates), -1, 3))
 
 
-def _vectors(derivatives: Floats) -> tuple[tuple[Floats, ...], ...]:
+def _vectors(derivatives: Floats) -> tuple[Any, ...]:
     """r_x, r_y, r_xx, r_yy, r_xy as the expressions for strains take them."""
     return tuple(tuple(derivatives[d].T) for d in (1, 2, 3, 5, 4))

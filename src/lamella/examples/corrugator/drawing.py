@@ -68,6 +68,20 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
     shaded(study, run)
 
 
+def show_meshes(study: Study, errors: Mapping[str, Mapping[int, float]]) -> None:
+    """Errors of the displacement of roller 2 at rest, by strain model and number of elements."""
+    from lamella.viz.style import COLOURS, new_figure, styled
+
+    with styled():
+        figure = new_figure(3.2)
+        axes = figure.subplots()
+        for (strain, found), colour in zip(errors.items(), COLOURS, strict=False):
+            axes.loglog(list(found), [1e3 * abs(error) for error in found.values()], "o-", color=colour, label=strain)
+        axes.set(xlabel="Elements around the belt", ylabel="Error of the displacement [mm]")
+        axes.legend()
+    study.show(figure, "small-deformation", "Belt pulled by two rollers, at rest: error of roller 2's displacement by the mesh.")
+
+
 def contact_map(pressure: Floats, friction: Floats, length: float, width: float) -> Figure:
     """Normal force and friction per area over the unrolled belt."""
     from lamella.viz.style import COLOUR_MAP, new_figure, styled
