@@ -179,6 +179,21 @@ def test_a_frame_at_the_clamp_gives_linear_theory_for_any_load(load):
         assert cantilever("floating", (0.0, 0.0, 0.0), load)[0][2] < 0.5 * expected[2]
 
 
+def test_stress_is_that_of_the_strain_model():
+    """Linear theory bends without stretching, however far, though the exact strain of its shape has the square of the slope."""
+    thickness, load = 0.001, 10.0
+    for strain in ("linear", "floating at x-"):
+        system, body = lm.System(), plate("plate", strain, thickness, mesh=(4, 2), rotation=(0.7, -1.9, 0.4))
+        system.add(body)
+        system.add(lm.Clamp("root", body.edge("x-")))
+        normal = matrix_from_vector(np.array(body.rotation))[:, 2]
+        system.add(lm.PointForce("load", body.marker("end", *SIZE), tuple(load * normal)))
+        forces = lm.equilibrium(system, newton=lm.Newton(tolerance=1e-12)).plate("plate").section_forces()
+        assert np.abs(forces[..., 3:]).max() > load
+        # rounding of the coordinates, 1e-16, times E h over the conditioning of the plate's bending, 1e8, relative to E h
+        assert np.abs(forces[..., :3]).max() < 1e-7 * E * thickness
+
+
 def test_a_thin_cantilever_has_the_stiffness_and_the_frequency_of_a_beam():
     """w = F L^3 / (3 E I), f = 1.8751^2 / (2 pi L^2) sqrt(E I / m): a narrow strip, as Euler and Bernoulli have it."""
     L, b, t, F = 1.0, 0.02, 0.002, 0.004

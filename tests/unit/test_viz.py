@@ -414,10 +414,22 @@ def test_painter_hides_what_is_behind() -> None:
 
 def test_refined_grid_keeps_its_points_and_is_linear_between() -> None:
     grid = np.random.default_rng(2).normal(size=(3, 4, 2))
-    fine = refined(grid, 3)
-    assert fine.shape == (7, 10, 2)
-    np.testing.assert_allclose(fine[::3, ::3], grid, atol=1e-15)
+    fine = refined(grid, (2, 3))
+    assert fine.shape == (5, 10, 2)
+    np.testing.assert_allclose(fine[::2, ::3], grid, atol=1e-15)
     np.testing.assert_allclose(fine[0, 1], (2 * grid[0, 0] + grid[0, 1]) / 3)
+    np.testing.assert_allclose(fine[1, 0], (grid[0, 0] + grid[1, 0]) / 2)
+
+
+def test_painter_sorts_long_cells_by_depth() -> None:
+    """A ramp of long cells rises through a slab and hides it where it is above it."""
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, 65), [-1.0, 1.0])
+    slab = Sheet(np.stack([x, y, 0 * x], -1), np.zeros(x.shape), [], [])
+    ramp = Sheet(np.stack([0.5 * x, y, 0.5 * y], -1), np.ones(x.shape), [], [])
+    camera = fit_camera(slab.points.reshape(-1, 3), "top")
+    image = Painter(camera, ColourScale("viridis", 0.0, 1.0), (80, 80)).draw([slab, ramp]).astype(int)
+    redder = image[[15, 37, 43, 65], 40, 0] > image[[15, 37, 43, 65], 40, 2]  # the ramp's yellow, not the slab's blue
+    assert redder.tolist() == [True, True, False, False]
 
 
 # --- report

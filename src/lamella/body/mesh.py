@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
@@ -64,6 +65,8 @@ class PlateMesh:
         self.mass_per_area: float | Floats = laminate.mass_per_area
         self.thickness_factors: Floats | None = None
         self.temperature: TemperatureSource | None = None
+        self.turns: Callable[[Floats], Floats] | None = None
+        """Turns of the frames of a small-deformation model in a configuration (n_q,), shape (n_element, 3, 3) or (1, 3, 3)."""
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny
         self.loops = surface.loops
@@ -180,7 +183,7 @@ class PlateMesh:
         recovery = ShellRecovery(
             self.element, self.coords, self.scale, self.reference, self.section.direction, self.section.curvature
         )
-        found = recovery.at(q, index, points_xi, points_eta)
+        found = recovery.at(q, index, points_xi, points_eta, None if self.turns is None else self.turns(q))
         strains = found.strains
         if self.section.prestrain is not None:
             strains = strains + np.concatenate([self.section.prestrain, np.zeros(3)])

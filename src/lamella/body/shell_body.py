@@ -15,8 +15,10 @@ from lamella.body.plate_frame import plate_frame, rigid_rows
 from lamella.declaration import declaration
 from lamella.element.base import ELEMENTS
 from lamella.element.plate48.damping import MassDampingBlock
+from lamella.element.plate48.frame import FrameShellBlock
 from lamella.element.plate48.frame_groups import FramePlace
-from lamella.element.plate48.section import Curvature, Section
+from lamella.element.plate48.linear import LinearShellBlock
+from lamella.element.plate48.section import Curvature
 from lamella.element.shells import SHELLS
 from lamella.errors import DeclarationError
 from lamella.kinematics import Frame, PointRows
@@ -211,7 +213,7 @@ class ShellBody(MeshedBody):
         if self.strain == "rigid":
             build.tie(rigid_rows(mesh))
         else:
-            self._add_shell(build, mesh.section, arguments)
+            self._add_shell(build, mesh, arguments)
         inertia = SHELLS[self.element].inertia(self.name, arguments, mesh.mass_per_area)
         build.inertias.append(inertia)
         if self.mass_damping > 0:
@@ -219,11 +221,13 @@ class ShellBody(MeshedBody):
         for name, at in self.markers.items():
             build.signals.extend(marker_signals(name, f"{self.name}.{name}", mesh.locate(at)))
 
-    def _add_shell(self, build: Build, section: Section, tables: tuple[Ints, Floats, Floats]) -> None:
-        """Add the elastic block and its structural damping."""
-        models = SHELLS[self.element]
+    def _add_shell(self, build: Build, mesh: PlateMesh, tables: tuple[Ints, Floats, Floats]) -> None:
+        """Add the elastic block, its structural damping, and the frames in which strains are recovered."""
+        models, section = SHELLS[self.element], mesh.section
         shell = models.elastic(self.strain, self.name, tables, section, self.n_gauss, self.frame_at)
         build.forces.append(shell)
+        if isinstance(shell, LinearShellBlock | FrameShellBlock):
+            mesh.turns = shell.turns
         if self.damping > 0:
             build.forces.append(models.damping(shell, tables, section, self.damping, self.n_gauss))
 

@@ -17,7 +17,7 @@ LIGHT = (0.35, 0.45, -0.85)
 
 DPI = 100
 FINEST = 64
-"""Grids are refined until they have this many cells along their longer side, for smooth colours."""
+"""Cells are divided in each direction until so many fit into the picture's longer side: small ones are sorted well."""
 
 
 @dataclass
@@ -69,11 +69,16 @@ class Painter(Renderer):
     def close(self) -> None:
         """Nothing is held between pictures."""
 
-    def _sheet_faces(self, sheet: Sheet) -> tuple[Floats, Floats, float]:
-        """Corners (n, 4, 3) and colours (n, 3) of the cells of a sheet's refined grid, and how many of them make one of it."""
-        factor = -(-FINEST // max(sheet.points.shape[0] - 1, sheet.points.shape[1] - 1))
-        colours = self.colours.colours(_cells(refined(sheet.values, factor)).mean(axis=1))
-        return _cells(refined(sheet.points, factor)), colours, factor
+    @property
+    def _cell(self) -> float:
+        """Longest side of a cell [m]."""
+        return 2.0 * max(self.camera.half_width, self.camera.half_height) / FINEST
+
+    def _sheet_faces(self, sheet: Sheet) -> tuple[Floats, Floats]:
+        """Corners (n, 4, 3) and colours (n, 3) of the cells of a sheet's refined grid."""
+        factors = [intervals(sheet.points, axis, self._cell) for axis in (0, 1)]
+        colours = self.colours.colours(_cells(refined(sheet.values, factors)).mean(axis=1))
+        return _cells(refined(sheet.points, factors)), colours
 
     def _add_body(self, strokes: _Strokes, body: Body) -> None:
         """The faces of a body that look at the camera, in cells as small as those of plates, and their edges."""
@@ -83,35 +88,32 @@ class Painter(Renderer):
         seen = face_normals(corners) @ self.camera.look < 0.0
         if not seen.any():
             return
-        cell = 2.0 * max(self.camera.half_width, self.camera.half_height) / FINEST
-        cells = np.concatenate([divided(quad, cell) for quad in corners[seen]])
-        lift = self._add_faces(strokes, cells, np.tile(to_rgb(SOLID_COLOUR), (len(cells), 1)), 1.0)
+        cells = np.concatenate([divided(quad, self._cell) for quad in corners[seen]])
+        lift = self._add_faces(strokes, cells, np.tile(to_rgb(SOLID_COLOUR), (len(cells), 1)))
         sides = np.stack([body.faces[seen], np.roll(body.faces[seen], -1, axis=1)], axis=-1).reshape(-1, 2)
         visible = {(min(side), max(side)) for side in sides.tolist()}
         for edge in body.edges.tolist():
             if (min(edge), max(edge)) in visible:
-                ends = body.points[edge]
-                count = max(1, int(np.ceil(np.linalg.norm(ends[1] - ends[0]) / cell)))
-                share = np.linspace(0.0, 1.0, count + 1)[:, None]
-                self._add_line(strokes, (1.0 - share) * ends[0] + share * ends[1], LINE_COLOUR, 0.5, lift)
+                self._add_line(strokes, body.points[edge], LINE_COLOUR, 0.5, lift)
 
-    def _add_faces(self, strokes: _Strokes, corners: Floats, colours: Floats, span: float) -> float:
-        """Add lit cells; returns the lift of lines on them, whose segments span so many cells."""
+    def _add_faces(self, strokes: _Strokes, corners: Floats, colours: Floats) -> float:
+        """Add lit cells; returns the lift of lines on them."""
         flat, depth = self.camera.project(corners)
         strokes.polygons += list(flat)
         strokes.colours += list(self._lit(face_normals(corners), colours))
         strokes.depths += list(depth.mean(axis=1))
         strokes.widths += [0.5] * len(depth)  # an edge of the face's own colour closes the seam to its neighbour
-        return span * float(np.ptp(depth, axis=1).max())
+        return float(np.ptp(depth, axis=1).max())
 
     def _add_line(self, strokes: _Strokes, line: Floats, colour: str, width: float, lift: float) -> None:
         from matplotlib.colors import to_rgb
 
-        flat, depth = self.camera.project(line)
+        flat, depth = self.camera.project(refined(line, [intervals(line, 0, self._cell)]))
+        count = len(depth) - 1
         strokes.polygons += list(np.stack([flat[:-1], flat[1:]], axis=1))
-        strokes.colours += [np.array(to_rgb(colour))] * (len(line) - 1)
+        strokes.colours += [np.array(to_rgb(colour))] * count
         strokes.depths += list(0.5 * (depth[:-1] + depth[1:]) - lift)
-        strokes.widths += [width] * (len(line) - 1)
+        strokes.widths += [width] * count
 
     def _lit(self, normal: Floats, colours: Floats) -> Floats:
         camera = self.camera
@@ -123,9 +125,14 @@ class Painter(Renderer):
         return np.clip(colours * (AMBIENT + DIFFUSE * lambert) + SPECULAR * highlight, 0.0, 1.0)
 
 
-def refined(grid: Floats, factor: int) -> Floats:
-    """A grid (my, mx, ...) with ``factor`` intervals for each one, linear between its points."""
-    for axis in (0, 1):
+def intervals(points: Floats, axis: int, cell: float) -> int:
+    """Into how many parts no longer than ``cell`` the intervals of a grid of points (..., 3) are divided along an axis."""
+    return max(1, int(np.ceil(np.linalg.norm(np.diff(points, axis=axis), axis=-1).max() / cell)))
+
+
+def refined(grid: Floats, factors: Sequence[int]) -> Floats:
+    """A grid with so many intervals for each one along its first axes, linear between its points."""
+    for axis, factor in enumerate(factors):
         n = grid.shape[axis] - 1
         at = np.arange(n * factor + 1) / factor
         low = np.minimum(at.astype(int), n - 1)

@@ -95,6 +95,10 @@ class FrameShellBlock(ForceBlock):
         at = framed_shape(self.groups, q)
         return 0.5 * float(np.vdot(at.y, self._elastic(at)))
 
+    def turns(self, q: Floats) -> Floats:
+        """Turn Q = R R0^T of each group's frame from the reference, shape (n_group, 3, 3)."""
+        return framed_shape(self.groups, q).R @ self.groups.axes.swapaxes(1, 2)
+
     def _inner_force(self, at: FramedShape, q: Floats) -> Floats:
         """p = dW/dy, shape (n_group, n, 3)."""
         return self._elastic(at)

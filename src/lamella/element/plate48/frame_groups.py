@@ -32,6 +32,7 @@ class FrameGroups:
         weights: the mean gradients are f_i = sum_k weights[i, k] x_k, shape (n_group, 2, n).
         rest: vectors of the stress-free reference, positions from the origin, in the axes of its frame, shape (n_group, n, 3).
         stiffness: tangent K0 at the reference in the axes of its frame, shape (n_group, 3 n, 3 n).
+        axes: axes of the reference's frames as columns, shape (n_group, 3, 3).
     """
 
     coords: Ints
@@ -40,6 +41,7 @@ class FrameGroups:
     weights: Floats
     rest: Floats
     stiffness: Floats
+    axes: Floats
 
 
 def element_groups(
@@ -109,7 +111,8 @@ def _in_frames(name: str, coords: Ints, is_position: Bools, weights: Floats, ref
     g, n = coords.shape[:2]
     turned = np.einsum("gba,gkblc->gkalc", R, matrices.reshape(g, n, 3, n, 3))
     turned = np.einsum("gkalb,gbc->gkalc", turned, R)
-    return FrameGroups(coords, is_position, origin, weights, rest @ R, np.ascontiguousarray(turned).reshape(g, 3 * n, 3 * n))
+    stiffness = np.ascontiguousarray(turned).reshape(g, 3 * n, 3 * n)
+    return FrameGroups(coords, is_position, origin, weights, rest @ R, stiffness, R)
 
 
 def _gradient_integrals(name: str, spec: ElementSpec, scale: Floats, reference: Floats) -> tuple[Floats, Floats]:

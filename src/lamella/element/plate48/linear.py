@@ -85,5 +85,9 @@ class LinearShellBlock(ElementBlock):
         self.force(t, q, q, f)
         return 0.5 * float(unpacked(f * self._deviations, self.n_element).sum())
 
+    def turns(self, q: Floats) -> Floats:
+        """Turn of the frame from the reference, which is none, shape (1, 3, 3)."""
+        return np.eye(3)[None]
+
     def _products(self, f: Floats) -> None:
         symmetric_products(self.matrix_entries, self.rows, self.columns, len(self.order), self._deviations, f)

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 VIEW = (0.0, -0.45, 1.0)
 """Direction in which the camera looks: along the rollers, from above; X points to the left."""
-FINE = 24
-"""Grid intervals along the sides of elements, which are 13 times as wide as they are long, in pictures."""
 MOMENTS = (0.0, 0.07, 0.2, 0.45, 0.7, 1.0)
 """Times of the snapshots, as shares of the run."""
 
@@ -70,6 +68,20 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
     shaded(study, run)
 
 
+def show_meshes(study: Study, errors: Mapping[str, Mapping[int, float]]) -> None:
+    """Errors of the displacement of roller 2 at rest, by strain model and number of elements."""
+    from lamella.viz.style import COLOURS, new_figure, styled
+
+    with styled():
+        figure = new_figure(3.2)
+        axes = figure.subplots()
+        for (strain, found), colour in zip(errors.items(), COLOURS, strict=False):
+            axes.loglog(list(found), [1e3 * abs(error) for error in found.values()], "o-", color=colour, label=strain)
+        axes.set(xlabel="Elements around the belt", ylabel="Error of the displacement [mm]")
+        axes.legend()
+    study.show(figure, "small-deformation", "Belt pulled by two rollers, at rest: error of roller 2's displacement by the mesh.")
+
+
 def contact_map(pressure: Floats, friction: Floats, length: float, width: float) -> Figure:
     """Normal force and friction per area over the unrolled belt."""
     from lamella.viz.style import COLOUR_MAP, new_figure, styled
@@ -113,9 +125,9 @@ def shaded(study: Study, run: Result) -> None:
         ("stress-map", [at[-1]], "von_mises", "Figure 11: von Mises stress at full speed."),
         ("strain-map", [at[-1]], "membrane_strain.xx", "Membrane strain along the belt at full speed."),
     ):
-        shape = picture(run, folder / f"{name}.png", at=times, field=field, view=VIEW, per_element=FINE)
+        shape = picture(run, folder / f"{name}.png", at=times, field=field, view=VIEW)
         study.captions[shape] = caption
         study.files.append(shape)
-    moving = animation(run, folder / "motion.gif", field="von_mises", view=VIEW, frames=24, per_element=16)
+    moving = animation(run, folder / "motion.gif", field="von_mises", view=VIEW, frames=24)
     study.captions[moving] = "The belt's motion, coloured by von Mises stress."
     study.files.append(moving)

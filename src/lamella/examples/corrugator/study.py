@@ -8,7 +8,7 @@ import numpy as np
 
 from lamella.contact.block import ContactBlock
 from lamella.errors import DeclarationError
-from lamella.examples.corrugator import drawing
+from lamella.examples.corrugator import at_rest, drawing
 from lamella.examples.swing import Numbers, rounded
 from lamella.result import Result
 from lamella.roles import Floats
@@ -36,14 +36,18 @@ def study(study: Study) -> Iterator[Finding]:
         result = study.run(name, overrides)["run"]
         assert isinstance(result, Result)
         runs[name] = result
+    study.say("the belt at rest, with exact strains and small deformation on several meshes")
+    tight = at_rest.all_meshes(study)
     if study.draw:
         drawing.show_all(study, runs)
+        drawing.show_meshes(study, at_rest.errors(tight))
     yield drift(runs)
     yield stress(runs["unequal"])
     yield pressing(runs["unequal"])
     yield even(runs)
     yield element(runs)
     yield balance(runs["unequal"])
+    yield at_rest.small_deformation(tight, LENGTH, R2, H)
 
 
 def settled(run: Result) -> float:
