@@ -83,6 +83,7 @@ class Signal:
         labels: names of the components, empty for a scalar.
         evaluate: gives the value from a state, shape (len(labels),) or scalar.
         description: a short sentence for the result file.
+        cumulative: whether it is summed over all states and must see those that are not recorded as well.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Signal:
     labels: tuple[str, ...]
     evaluate: Callable[[State], Floats | float]
     description: str = ""
+    cumulative: bool = False
 
 
 @dataclass(frozen=True)

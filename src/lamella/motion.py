@@ -42,6 +42,7 @@ def simulate(
     initial: State | None = None,
     frames: int = 100,
     every: float | None = None,
+    stride: int = 1,
     sinks: Sequence[Sink] = (),
     progress: bool = False,
     solver: Method = "auto",
@@ -58,6 +59,8 @@ def simulate(
         frames: number of equally spaced configurations kept for pictures.
         every: record at multiples of this interval [s] too, besides the steps: interpolated with the order of the method, so
             that long steps give smooth curves. Positions, velocities and accelerations are as accurate as those of the steps.
+        stride: record every so manyth step, and the last; work and heat are summed over all. Recording some hundred signals may
+            cost as much as a step does.
         sinks: receive the solution while it runs, for example a result file.
         progress: show a progress bar with the time to go.
         solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.
@@ -75,6 +78,8 @@ def simulate(
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
     if every is not None and not every > 0.0:
         raise DeclarationError("simulate", f"every = {every}", "accepted is a positive interval [s], or None for the steps alone")
+    if stride < 1:
+        raise DeclarationError("simulate", f"stride = {stride}", "accepted is a number of steps, 1 or more")
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
@@ -99,7 +104,7 @@ def simulate(
         state = equations.state(point)
         model.settle(state)
         stepper.restart(point)
-        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear, every)
+        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear, every, stride)
         outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
@@ -143,10 +148,11 @@ class _March:
         t_end: float,
         linear: LinearSolver,
         every: float | None = None,
+        stride: int = 1,
     ) -> None:
         self.equations, self.stepper, self.integrator = equations, stepper, integrator
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
-        self.every = every
+        self.every, self.stride = every, stride
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
 
     def run(self, t: float, state: State) -> Outcome:
@@ -186,6 +192,8 @@ class _March:
                 self.statistics.rejected += 1
                 dt = trial * (0.5 if outcome.point is None else outcome.growth)
                 if dt < self.integrator.dt_min:
+                    if self.recorder.at[-1] < self.t:
+                        self.recorder.sample(self.t, self.state)
                     return self._given_up(trial, outcome)
                 continue
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
@@ -195,7 +203,10 @@ class _March:
             self.t = stop if count == 1 and length == trial else point.t
             self.state = self.equations.state(point)
             self.equations.model.settle(self.state)
-            self.recorder.sample(self.t, self.state)
+            if self.statistics.steps % self.stride == 0 or triggers or self.t >= self.t_end:
+                self.recorder.sample(self.t, self.state)
+            else:
+                self.recorder.pass_over(self.state)
             if adaptive:
                 factor = outcome.growth
                 dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)

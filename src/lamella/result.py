@@ -207,6 +207,12 @@ class Recorder:
             for sink in self.sinks:
                 sink.frame(at, state)
 
+    def pass_over(self, state: State) -> None:
+        """Take note of a state that is not recorded, where signals are summed over all."""
+        for signal in self.signals:
+            if signal.cumulative:
+                signal.evaluate(state)
+
     def close(self, outcome: Outcome, statistics: Statistics) -> None:
         """Tell every sink that the solution has ended."""
         for sink in self.sinks:

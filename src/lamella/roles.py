@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+Indices = NDArray[np.int32]
+"""Places in long arrays, kept short because reading them takes as long as what is done there."""
 
 Symmetry = Literal["symmetric", "nearly", "none"]
 """Tangent of a block: ``symmetric`` (derivative of an energy; the block lists its upper triangle only), ``nearly`` (all

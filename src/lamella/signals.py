@@ -223,9 +223,16 @@ def energy_signals(equations: Equations) -> list[Signal]:
     return [
         Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy"),
         Signal("energy.strain", "J", (), kept("strain", strain), "strain energy"),
-        Signal("work.loads", "J", (), kept("loads", loads), "work of the loads"),
-        Signal("work.supports", "J", (), kept("supports", supports), "work of moving supports, drives and thermal strain"),
-        Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping"),
+        Signal("work.loads", "J", (), kept("loads", loads), "work of the loads", cumulative=True),
+        Signal(
+            "work.supports",
+            "J",
+            (),
+            kept("supports", supports),
+            "work of moving supports, drives and thermal strain",
+            cumulative=True,
+        ),
+        Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping", cumulative=True),
         Signal("power.dissipated", "W", (), power, "power turned into heat by damping"),
         Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution"),
     ]

@@ -7,7 +7,7 @@ import pytest
 
 import lamella as lm
 from lamella.assembly.equations import Equations
-from lamella.assembly.operator import PartialSum
+from lamella.assembly.operator import ScatterSum
 from lamella.assembly.point import STATIC, Weights
 from lamella.load.dead import DeadLoadBlock
 
@@ -235,11 +235,11 @@ def test_dead_loads_have_no_tangent(model):
     assert all(len(block.k_rows) == 0 for block in dead)
 
 
-def test_partial_sum_looks_at_the_parts_in_use_alone():
+def test_scatter_sum_looks_at_the_parts_in_use_alone():
     """Three parts of which one is not a number: y += E x for the others, with repeated targets and a gap of padding."""
     targets, sources = np.array([2, 0, 1, 0, 2, 1]), np.array([5, 0, 1, 3, 4, 2])
     factors = np.array([2.0, 1.0, -1.0, 0.5, 3.0, 4.0])
-    operator = PartialSum(targets, sources, factors, np.array([0, 2, 4, 6]))
+    operator = ScatterSum(targets, sources, factors, np.array([0, 2, 4, 6]))
     x, y = np.array([1.0, 2.0, np.nan, np.nan, 5.0, 6.0]), np.ones(3)
     operator.add(x, np.array([True, False, True]), y)
     np.testing.assert_array_equal(y, [2.0, -1.0, 1.0 + 12.0 + 15.0])

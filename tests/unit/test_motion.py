@@ -144,3 +144,18 @@ def test_unknown_signal_lists_those_recorded():
     result = lm.simulate(system, 2e-3, lm.GeneralizedAlpha(dt=1e-3))
     with pytest.raises(DeclarationError, match=r"no signal 'tipp.position'; recorded are tip.position"):
         result["tipp.position"]
+
+
+def test_stride_records_less_and_sums_the_same():
+    """Samples are those of every third step and the last; work and heat, which are sums over steps, are equal to rounding."""
+    system, plate = cantilever(damping=2e-3)
+    system.add(lm.PointForce("load", plate.corner("x+y-"), (0, 0, 5.0), lm.Harmonic(amplitude=1.0, frequency=40.0)))
+    model = system.compile()
+    every, third = (lm.simulate(model, 0.02, lm.GeneralizedAlpha(dt=1e-3), stride=stride) for stride in (1, 3))
+    chosen = [0, 3, 6, 9, 12, 15, 18, 20]
+    np.testing.assert_array_equal(third.at, every.at[chosen])
+    for name in ("tip.position", "work.loads", "work.dissipated", "energy.balance"):
+        np.testing.assert_allclose(third[name].values, every[name].values[chosen], rtol=1e-12, atol=1e-15)
+    assert every["work.dissipated"].values[-1] > 0.0
+    with pytest.raises(DeclarationError, match="stride = 0"):
+        lm.simulate(model, 0.02, lm.GeneralizedAlpha(dt=1e-3), stride=0)

@@ -10,13 +10,15 @@ from scipy import sparse
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.expand import Entries, expand_matrix, expand_rows
 from lamella.assembly.forces import ForceSum
-from lamella.assembly.operator import PartialSum, SumOperator, add_at
+from lamella.assembly.operator import ScatterSum, SumOperator, add_at
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
 
 Block = ForceBlock | ConstraintBlock
+EVERY = np.ones(1, bool)
+"""The one part of a buffer that is always in use."""
 
 
 class MatrixAssembly:
@@ -60,8 +62,8 @@ class MatrixAssembly:
         keys = rows.astype(np.int64) * n_u + cols
         places, slots = np.unique(keys, return_inverse=True)
         n_entries = sum(len(e.rows) for e in entries)
-        self._sum_setup(blocks, entries, slots[:n_entries], len(places))
-        self._mass = slots[n_entries : len(slots) - len(diagonal)], np.asarray(reduced_mass.data, float)[keep]
+        self._sum_setup(blocks, entries, slots[:n_entries])
+        self._mass = slots[n_entries : len(slots) - len(diagonal)].astype(np.int32), np.asarray(reduced_mass.data, float)[keep]
         self._values = np.zeros(len(places))
         self._jacobian_setup(model, T, n_u)
         indptr = np.searchsorted(places, np.arange(n_u + 1) * n_u)
@@ -75,22 +77,22 @@ class MatrixAssembly:
             self._j_pattern.indices.astype(np.int64),
         )
 
-    def _sum_setup(self, blocks: Sequence[Block], entries: Sequence[Entries], slots: Ints, n: int) -> None:
+    def _sum_setup(self, blocks: Sequence[Block], entries: Sequence[Entries], slots: Ints) -> None:
         """The operators that sum the buffer: one for all blocks, and one for each that may leave parts of its tangent out."""
         starts = np.cumsum([0, *(len(part) for part in self.parts)])
         ends = np.cumsum([len(e.rows) for e in entries])
-        self._partial: list[tuple[ForceBlock, Floats, PartialSum]] = []
+        self._partial: list[tuple[ForceBlock, Floats, ScatterSum]] = []
         places, sources, factors = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
         for block, e, start, end, part in zip(blocks, entries, starts, ends, self.parts, strict=False):
             own = slots[end - len(e.rows) : end]
             if isinstance(block, ForceBlock) and block.k_parts is not None:
-                self._partial.append((block, part, PartialSum(own, e.sources - start, e.factors, block.k_parts)))
+                self._partial.append((block, part, ScatterSum(own, e.sources - start, e.factors, block.k_parts)))
             else:
                 places.append(own)
                 sources.append(e.sources)
                 factors.append(e.factors)
         whole = np.concatenate(places), np.concatenate(sources), np.concatenate(factors)
-        self._sum = SumOperator.of(*whole, n, len(self.buffer))
+        self._sum = ScatterSum(*whole, np.array([0, len(self.buffer)]))
 
     def _jacobian_setup(self, model: Model, T: sparse.csr_array, n_u: int) -> None:
         offsets = np.cumsum([0, *(block.n_lam for block in model.constraints)])
@@ -139,11 +141,13 @@ class MatrixAssembly:
         for block, k in zip(self.model.constraints, self.parts[n_blocks:], strict=True):
             block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
             k *= weights.alpha_q
-        data = self._sum.into(self.buffer, self._values)
-        for block, part, total in self._partial:
-            total.add(part, block.k_used, data)
+        data = self._values
+        data[:] = 0.0
         if weights.alpha_a:
             add_at(*self._mass, weights.alpha_a, data)
+        self._sum.add(self.buffer, EVERY, data)
+        for block, part, total in self._partial:
+            total.add(part, block.k_used, data)
         return data, self.jacobian(point.t, q)
 
     @property

@@ -90,7 +90,7 @@ class ContactBlock(ForceBlock):
         self._anchors = np.full(ANCHOR * n_pairs if law.bristle else 0, np.nan)
         self._heat = 0.0
         self._work, self._totals = aligned(work_size(sheet)), np.zeros(TOTALS)
-        self._seen: tuple[Floats, Floats] | None = None
+        self._recent: list[tuple[Floats, Floats, Floats, Floats]] = []
         self._points = np.zeros(sheet.n_point, np.int64)
         self._no_field = np.zeros(0)
         self.first = first
@@ -149,13 +149,22 @@ class ContactBlock(ForceBlock):
         return vectors[0] + self.obstacle.centre @ vectors[1:], self.obstacle.axis @ vectors[1:]
 
     def _evaluate(self, q: Floats, v: Floats, f: Floats, field: Floats, *, moving: bool) -> None:
-        self._seen = None  # the totals are overwritten
         force(
             q, v, moving, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors, self._work, f, self._totals, field
         )
 
+    def _observed(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Force and totals in a state. An accepted state, and that at rest in its place, are asked for several times."""
+        for known_q, known_v, f, totals in self._recent:
+            if np.array_equal(q, known_q) and np.array_equal(v, known_v):
+                return f, totals
+        f = np.empty(len(self.f_coords))
+        self._evaluate(q, v, f, self._no_field, moving=True)
+        self._recent = [(q.copy(), v.copy(), f, self._totals.copy()), *self._recent[:1]]
+        return self._recent[0][2:]
+
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        self._evaluate(q, v, f, self._no_field, moving=self.depends_on_velocity)
+        f[:] = self._observed(q, v)[0]
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
@@ -165,16 +174,9 @@ class ContactBlock(ForceBlock):
             alpha_q, alpha_v, self._work, self._points, f, k, self.k_used,
         )  # fmt: skip
 
-    def _observed(self, q: Floats, v: Floats) -> Floats:
-        """The totals in a state; those of an accepted step are asked for several times, and evaluated once."""
-        if self._seen is None or not (np.array_equal(q, self._seen[0]) and np.array_equal(v, self._seen[1])):
-            self._evaluate(q, v, self._aside, self._no_field, moving=True)
-            self._seen = q.copy(), v.copy()
-        return self._totals
-
     def totals(self, q: Floats, v: Floats) -> ContactTotals:
         """Resultants, energy and powers in a state."""
-        T = self._observed(q, v).copy()
+        T = self._observed(q, v)[1].copy()
         return ContactTotals(T[:3], T[3:6], T[6], T[7], T[8], T[9], int(T[10]), T[11], int(T[12]))
 
     def field(self, q: Floats, v: Floats) -> ContactField:
@@ -185,20 +187,19 @@ class ContactBlock(ForceBlock):
         return ContactField(values[..., 0], values[..., 1], values[..., 2:5], values[..., 5:8])
 
     def energy(self, t: float, q: Floats) -> float:
-        known = self._seen is not None and np.array_equal(q, self._seen[0])
-        return float((self._totals if known else self._observed(q, np.zeros_like(q)))[9])
+        return float(self._observed(q, np.zeros_like(q))[1][9])
 
     def dissipation(self, t: float, q: Floats, v: Floats) -> float:
-        T = self._observed(q, v)
+        T = self._observed(q, v)[1]
         return float(T[7] + T[8])
 
     def settle(self, t: float, q: Floats) -> None:
         if self.law.bristle:
-            self._seen = None
+            self._recent = []
             self._heat += advance(q, self._body(q, q), self.sheet, self.obstacle, self.law, self._anchors, self._work)
 
     def reset(self) -> None:
-        self._anchors[:], self._seen = np.nan, None
+        self._anchors[:], self._recent = np.nan, []
         self._heat = 0.0
 
     def settled_heat(self) -> float:

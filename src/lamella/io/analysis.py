@@ -89,6 +89,7 @@ class Motion(Analysis):
         t_start: time at the start [s].
         start: name of an earlier analysis whose last state is the initial one; the reference configuration when left out.
         every: interval at which is recorded too, besides the steps; the steps alone when left out.
+        stride: every so manyth step is recorded, and the last; work and heat are summed over all.
     """
 
     axis: ClassVar[str] = "time"
@@ -98,6 +99,7 @@ class Motion(Analysis):
     t_start: Time = 0.0
     start: str | None = None
     every: Interval | None = None
+    stride: Annotated[int, Field(ge=1)] = 1
 
     def __post_init__(self) -> None:
         """Refuse an end before the start."""
@@ -121,6 +123,7 @@ class Motion(Analysis):
             initial=initial,
             frames=frames,
             every=self.every,
+            stride=self.stride,
             sinks=sinks,
             on_failure="return",
         )

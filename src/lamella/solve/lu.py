@@ -25,10 +25,11 @@ class MultifrontalLU:
         self.pattern = pattern
         self._layout = layout = FrontLayout(pattern)
         self.cost, self.size = 2.0 * layout.cost, 2 * layout.size
-        self._lower, self._upper = np.flatnonzero(~layout.above), np.flatnonzero(layout.above)
-        self._slots = layout.slots[self._lower], layout.slots[self._upper]
+        # One number for each entry: its place in the panels of L, or behind them in those of U^T; short ones are read faster.
+        self._slots = np.where(layout.above, layout.slots + layout.size, layout.slots).astype(np.int32)
         self._padded_at = layout.pivots[layout.padded]
-        self._a, self._c = np.zeros(layout.size), np.zeros(layout.size)
+        panels = np.zeros(2 * layout.size)
+        self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
         self._u, self._v = np.zeros(layout.update_size), np.zeros(layout.update_size)
         self._signs, self._ones = np.ones(len(layout.coordinate)), np.ones(BLOCK)
         self._b, self._y = np.zeros(BLOCK * layout.longest), np.zeros(layout.longest)
@@ -36,9 +37,10 @@ class MultifrontalLU:
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""
         at = self._layout
+        limits = at.limits(k, PIVOT_TOLERANCE)
         failed = lu_kernels.factorise(
-            k, self._lower, self._slots[0], self._upper, self._slots[1], self._padded_at, at.fronts, at.runs,
-            at.limits(k, PIVOT_TOLERANCE), self._a, self._c, self._u, self._v, self._ones, self._b,
+            k, self._slots, self._padded_at, at.fronts, at.runs, limits,
+            self._panels, self._a, self._c, self._u, self._v, self._ones, self._b,
         )  # fmt: skip
         return int(at.coordinate[failed]) if failed >= 0 else -1
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from lamella._jit import njit
 from lamella.lane import WIDTH, load_at, store_at
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Indices, Ints
 from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
 
 
@@ -118,19 +118,19 @@ def _factorise_front(
 
 @njit
 def factorise(
-    k: Floats, lower: Ints, lower_slots: Ints, upper: Ints, upper_slots: Ints, ones_at: Ints, fronts: Ints, runs: Ints,
-    limits: Floats, a: Floats, c: Floats, u: Floats, v: Floats, ones: Floats, b: Floats,
+    k: Floats, slots: Indices, ones_at: Ints, fronts: Ints, runs: Ints, limits: Floats,
+    panels: Floats, a: Floats, c: Floats, u: Floats, v: Floats, ones: Floats, b: Floats,
 ) -> int:  # fmt: skip
     """Factorise all fronts, children before parents.
 
     Args:
         k: values of the matrix.
-        lower, lower_slots: which values lie on or below the diagonal, and their places in ``a``.
-        upper, upper_slots: which values lie above the diagonal, and their places in ``c``.
+        slots: place of each value in ``panels``.
         ones_at: positions in ``a`` of padded pivots.
         fronts, runs: as in :func:`lamella.solve.front_kernels.factorise`.
         limits: magnitude that a pivot must exceed, by position.
-        a, c: panels, overwritten by L and U^T.
+        panels: all panels.
+        a, c: the two halves of ``panels``, overwritten by L and U^T.
         u, v: their updates (workspace).
         ones: ones, as many as ``BLOCK``.
         b: workspace of ``BLOCK`` times the longest panel column.
@@ -138,12 +138,10 @@ def factorise(
     Returns:
         -1, or the position whose pivot is within its limit.
     """
-    for i in range(len(a)):
-        a[i], c[i] = 0.0, 0.0
-    for i in range(len(lower)):
-        a[lower_slots[i]] = k[lower[i]]
-    for i in range(len(upper)):
-        c[upper_slots[i]] = k[upper[i]]
+    for i in range(len(panels)):
+        panels[i] = 0.0
+    for i in range(len(k)):
+        panels[slots[i]] = k[i]
     for i in range(len(ones_at)):
         a[ones_at[i]] = 1.0
     for f in range(len(fronts) - 1):

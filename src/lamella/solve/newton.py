@@ -166,7 +166,8 @@ class NewtonSolver:
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
-            if fresh and not self._promising(size, contraction, goal):
+            untried = fresh and not isfinite(last) and self.options.keep > 0.0
+            if fresh and not untried and not self._promising(size, contraction, goal):
                 self.forget()
             last = size
         self.forget()

@@ -41,6 +41,7 @@ class NullSpaceSolver(LinearSolver):
         self._map = Reduction(pattern, self._groups)
         self._lu = MultifrontalLU(self._map.reduced)
         self._k = np.zeros(len(self._map.reduced.indices))
+        self._indices = self._map.reduced.indices.astype(np.int32)
         self._probe = probe(self._map.reduced.n)
         self._usable = self._refine = False
 
@@ -84,7 +85,7 @@ class NullSpaceSolver(LinearSolver):
     def _residual(self, b: Floats, x: Floats) -> Floats:
         """b - N^T K N x."""
         found = np.empty_like(b)
-        product(self._map.reduced.indptr, self._map.reduced.indices, self._k, x, found)
+        product(self._map.reduced.indptr, self._indices, self._k, x, found)
         return b - found
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from lamella._jit import njit
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Indices, Ints
 
 
 @njit
-def couple(k: Floats, source: Ints, slots: Ints, out: Floats) -> None:
+def couple(k: Floats, source: Indices, slots: Indices, out: Floats) -> None:
     """out[slots] = k[source], all else zero."""
     out[:] = 0.0
     for e in range(len(source)):
@@ -15,7 +15,7 @@ def couple(k: Floats, source: Ints, slots: Ints, out: Floats) -> None:
 
 
 @njit
-def reduce_panel(k: Floats, source: Ints, slots: Ints, stride: int, N: Floats, kept: Floats, out: Floats) -> None:
+def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats, kept: Floats, out: Floats) -> None:
     """Keep the values of a panel K_fg (f, m), and write K_fg N (f, n) to out[slots[f] + n stride].
 
     Args:
@@ -50,7 +50,7 @@ def reduce_core(values: Floats, mixed: Ints, weights: Floats, out: Floats) -> No
 
 
 @njit
-def product(indptr: Ints, indices: Ints, k: Floats, x: Floats, out: Floats) -> None:
+def product(indptr: Ints, indices: Indices, k: Floats, x: Floats, out: Floats) -> None:
     """out = K x, in compressed rows."""
     for i in range(len(out)):
         total = 0.0

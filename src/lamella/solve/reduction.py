@@ -38,7 +38,7 @@ class _Panel:
     """
 
     def __init__(self, source: Ints, near: Ints, slots: Ints, stride: int) -> None:
-        self.source, self.near, self.slots, self.stride = source, near, slots, stride
+        self.source, self.near, self.slots, self.stride = source.astype(np.int32), near, slots, stride
         self.kept = np.zeros(source.shape)
 
 
@@ -68,7 +68,7 @@ class Reduction:
         self.reduced = _reduced(rows, cols, number, width, self._n)
         slot = _lookup(self.reduced.rows, self.reduced.indices, np.arange(len(self.reduced.indices)), self._n)
         free = (owner[rows] < 0) & (owner[cols] < 0)
-        self._plain = source[free], slot(number[rows[free]], number[cols[free]])
+        self._plain = source[free].astype(np.int32), slot(number[rows[free]], number[cols[free]]).astype(np.int32)
         self._free, self._number_of_free = np.flatnonzero(owner < 0), number[owner < 0]
         entry = _lookup(rows, cols, source, pattern.n)
         self._right: list[_Panel] = []
