@@ -158,12 +158,16 @@ def test_unsymmetric(method: Method, m: int) -> None:
     assert not isinstance(solver, AutomaticSolver) or solver.n_general == 0
 
 
-def test_unsymmetric_with_coordinates_that_constraints_alone_determine() -> None:
-    """Six of six coordinates of one node without stiffness, and two coordinates of another held by two constraints."""
+@pytest.mark.parametrize("rest", [0.0, 1e-28])
+def test_unsymmetric_with_coordinates_that_constraints_alone_determine(rest: float) -> None:
+    """Six coordinates of one node without stiffness, or with one that is rounding, in six constraints that hold four others
+    as well; and two coordinates of another node held by two constraints."""
     k = plate_like(3, 2)
     k *= 1 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
     k[12:18], k[:, 12:18] = 0.0, 0.0
+    k[range(12, 18), range(12, 18)] = rest
     j = np.zeros((8, len(k)))
+    j[:6, 40:44] = np.random.default_rng(8).standard_normal((6, 4))
     j[:6, 12:18] = np.random.default_rng(7).standard_normal((6, 6))
     j[6:, 30:32] = [[1.0, 2.0], [-1.0, 1.0]]
     check(k, j, "multifrontal", symmetric=False)

@@ -64,6 +64,21 @@ class ContactField:
     traction: Floats
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """A state q, v with copies by which it is known that nobody has written to it, and what was found in it."""
+
+    q: Floats
+    v: Floats
+    q_then: Floats
+    v_then: Floats
+    force: Floats
+    totals: Floats
+
+    def unchanged(self) -> bool:
+        return np.array_equal(self.q, self.q_then) and np.array_equal(self.v, self.v_then)
+
+
 Part = tuple[tuple[int, ...], Ints, Ints, Floats, Floats]
 """Shape of a part of the tangent's buffer, and what is repeated to it: rows, columns, and the factors of both."""
 
@@ -90,7 +105,7 @@ class ContactBlock(ForceBlock):
         self._anchors = np.full(ANCHOR * n_pairs if law.bristle else 0, np.nan)
         self._heat = 0.0
         self._work, self._totals = aligned(work_size(sheet)), np.zeros(TOTALS)
-        self._recent: list[tuple[Floats, Floats, Floats, Floats]] = []
+        self._recent: list[_Seen] = []
         self._points = np.zeros(sheet.n_point, np.int64)
         self._no_field = np.zeros(0)
         self.first = first
@@ -155,13 +170,13 @@ class ContactBlock(ForceBlock):
 
     def _observed(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Force and totals in a state. An accepted state, and that at rest in its place, are asked for several times."""
-        for known_q, known_v, f, totals in self._recent:
-            if np.array_equal(q, known_q) and np.array_equal(v, known_v):
-                return f, totals
+        for seen in self._recent:
+            if seen.q is q and seen.v is v and seen.unchanged():
+                return seen.force, seen.totals
         f = np.empty(len(self.f_coords))
         self._evaluate(q, v, f, self._no_field, moving=True)
-        self._recent = [(q.copy(), v.copy(), f, self._totals.copy()), *self._recent[:1]]
-        return self._recent[0][2:]
+        self._recent = [_Seen(q, v, q.copy(), v.copy(), f, self._totals.copy()), *self._recent[:1]]
+        return f, self._recent[0].totals
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         f[:] = self._observed(q, v)[0]
@@ -187,7 +202,8 @@ class ContactBlock(ForceBlock):
         return ContactField(values[..., 0], values[..., 1], values[..., 2:5], values[..., 5:8])
 
     def energy(self, t: float, q: Floats) -> float:
-        return float(self._observed(q, np.zeros_like(q))[1][9])
+        known = next((seen.v for seen in self._recent if seen.q is q), None)
+        return float(self._observed(q, np.zeros_like(q) if known is None else known)[1][9])
 
     def dissipation(self, t: float, q: Floats, v: Floats) -> float:
         T = self._observed(q, v)[1]

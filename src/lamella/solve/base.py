@@ -71,6 +71,10 @@ class SymmetricFactor(ABC):
 PIVOT_TOLERANCE = 64 * np.finfo(float).eps
 """A pivot below this fraction of its diagonal entry is rounding error: some tens of updates of one rounding each."""
 
+CONDITION_LIMIT = 1e14
+"""Estimated condition of the equilibrated matrix above which it counts as singular: rounding makes a singular matrix appear
+with 1e15 and more."""
+
 BACKWARD_ERROR_LIMIT = 1e-10
 """Largest |A z - b| / (|z| + |b|), equilibrated, of a factorisation that is used; pivots on the diagonal alone may exceed it."""
 

@@ -13,6 +13,9 @@ from lamella.solve.base import PIVOT_TOLERANCE
 
 _geqrf, _orgqr, _trtrs = get_lapack_funcs(("geqrf", "orgqr", "trtrs"), dtype=np.float64)
 
+SOFTEST = 1e-6
+"""Least stiffness by which a coordinate is scaled, relative to the largest in its group, both for one unit of the constraint."""
+
 
 class Group:
     """Constraints that have coordinates in common, and the motions that they allow.
@@ -33,7 +36,8 @@ class Group:
     def decompose(self, j: Floats, stiffness: Floats) -> int:
         """Find motions N (m, m - l) with J N = 0, and P (m, l) with J P = 1; -1, or the constraint that repeats others.
 
-        Coordinates of different units are made alike by their stiffness d_i^2: with (J d^-1)^T = [Q_1 Q_2] [R, 0]^T,
+        Coordinates of different units are made alike by their stiffness d_i^2; those that have none, which constraints alone
+        determine, by their entries in J. With (J d^-1)^T = [Q_1 Q_2] [R, 0]^T,
 
             N = d^-1 Q_2,      P = d^-1 Q_1 R^-T
 
@@ -44,11 +48,11 @@ class Group:
         m, n_lam = len(self.coords), len(self.rows)
         if n_lam > m:
             return int(self.rows[-1])
-        d = np.sqrt(np.abs(stiffness[self.coords]))
-        if not d.all():
-            d[d == 0.0] = d[d > 0.0].min(initial=1.0)
-        J = np.zeros((len(self.coords), n_lam), order="F")
+        J = np.zeros((m, n_lam), order="F")
         J[self._places] = j[self._entries]
+        unit, own = (J**2).max(axis=1), np.abs(stiffness[self.coords])
+        unit[unit == 0.0] = 1.0
+        d = np.sqrt(np.maximum(own, SOFTEST * ((own / unit).max() or 1.0) * unit))
         J /= d[:, None]
         qr, tau, _, _ = _geqrf(J)
         pivots, size = np.abs(qr.diagonal()), np.sqrt((J**2).sum(axis=0))

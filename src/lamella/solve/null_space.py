@@ -7,7 +7,7 @@ import numpy as np
 from lamella.assembly.pattern import Pattern
 from lamella.errors import SingularSystemError
 from lamella.roles import Floats
-from lamella.solve.base import BACKWARD_ERROR_LIMIT, LinearSolver, not_finite
+from lamella.solve.base import BACKWARD_ERROR_LIMIT, CONDITION_LIMIT, LinearSolver, not_finite
 from lamella.solve.constraint_group import groups_of
 from lamella.solve.lu import MultifrontalLU
 from lamella.solve.null_space_kernels import product
@@ -75,12 +75,12 @@ class NullSpaceSolver(LinearSolver):
         return -1 if free < 0 else self._map.coordinate_of(free)
 
     def _backward_error(self) -> float:
-        """Largest |A z - b| / (|z| + |b|) for a known right-hand side of the matrix scaled to a diagonal of 1."""
+        """Largest |A z - b| / (|z| + |b|) of a known system, scaled to a diagonal of 1; infinite when the matrix is singular."""
         scale = np.sqrt(np.maximum(np.abs(self._map.reduced.diagonal(self._k)), np.finfo(float).tiny))
         b = self._probe * scale
         x = self._lu.solve(b)
-        error = np.abs(self._residual(b, x) / scale).max(initial=0.0)
-        return float(error / (np.abs(x * scale).max(initial=0.0) + 1.0))
+        error, norm = np.abs(self._residual(b, x) / scale).max(initial=0.0), np.abs(x * scale).max(initial=0.0)
+        return float(error / (norm + 1.0)) if norm < CONDITION_LIMIT else np.inf
 
     def _residual(self, b: Floats, x: Floats) -> Floats:
         """b - N^T K N x."""
@@ -103,6 +103,8 @@ class NullSpaceSolver(LinearSolver):
         if self._refine:
             w += self._lu.solve(self._residual(b, w))
         self._map.spread(w, x)
-        for group, force in self._map.forces_on_groups(r, x):
-            y[group.rows] = force @ group.P
+        if len(y):
+            force = self._map.forces_on_groups(r, x)
+            for group in self._groups:
+                y[group.rows] = force[group.coords] @ group.P
         return x, y

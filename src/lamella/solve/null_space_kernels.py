@@ -64,3 +64,34 @@ def subtract(rows: Ints, cols: Ints, k: Floats, x: Floats, out: Floats) -> None:
     """out -= K x for listed entries."""
     for e in range(len(rows)):
         out[rows[e]] -= k[e] * x[cols[e]]
+
+
+@njit
+def subtract_panels(
+    near: Indices, near_at: Ints, coords: Indices, coords_at: Ints, kept: Floats, kept_at: Ints, x: Floats, out: Floats
+) -> None:
+    """out_f -= K_fg x_g for the panels (f, m) of all groups g, one after the other in ``kept``."""
+    for g in range(len(near_at) - 1):
+        first, m = coords_at[g], coords_at[g + 1] - coords_at[g]
+        at = kept_at[g]
+        for f in range(near_at[g], near_at[g + 1]):
+            total = 0.0
+            for i in range(m):
+                total += kept[at + i] * x[coords[first + i]]
+            out[near[f]] -= total
+            at += m
+
+
+@njit
+def subtract_transposed(
+    near: Indices, near_at: Ints, coords: Indices, coords_at: Ints, kept: Floats, kept_at: Ints, x: Floats, out: Floats
+) -> None:
+    """out_g -= K_fg^T x_f, with panels as in :func:`subtract_panels`."""
+    for g in range(len(near_at) - 1):
+        first, m = coords_at[g], coords_at[g + 1] - coords_at[g]
+        at = kept_at[g]
+        for f in range(near_at[g], near_at[g + 1]):
+            factor = x[near[f]]
+            for i in range(m):
+                out[coords[first + i]] -= kept[at + i] * factor
+            at += m

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Indices, Ints
 from lamella.solve.constraint_group import Group
-from lamella.solve.null_space_kernels import couple, reduce_core, reduce_panel, subtract
+from lamella.solve.null_space_kernels import couple, reduce_core, reduce_panel, subtract, subtract_panels, subtract_transposed
 
 Lookup = Callable[[Ints, Ints], Ints]
 """Number of an entry by its row and column, -1 where there is none."""
@@ -27,19 +28,52 @@ def _lookup(rows: Ints, cols: Ints, numbers: Ints, n: int) -> Lookup:
     return find
 
 
-class _Panel:
-    """What stands in K between one group g and the coordinates f that no constraint touches: K_fg, or the transposed K_gf.
+class _Panels:
+    """What stands in K between groups g and the coordinates f that no constraint touches: all K_fg, or the transposed K_gf.
 
     Args:
-        source: number of each value in K, shape (f, m).
-        near: the coordinates f.
-        slots: place of the first motion's entry for each f in the reduced matrix.
-        stride: distance to that of the next motion.
+        parts: of each group the coordinates f, and number in K and shape (f, m) of the values, place of the first motion's entry
+            for each f in the reduced matrix, and distance to that of the next motion.
+        groups: the groups.
     """
 
-    def __init__(self, source: Ints, near: Ints, slots: Ints, stride: int) -> None:
-        self.source, self.near, self.slots, self.stride = source.astype(np.int32), near, slots, stride
-        self.kept = np.zeros(source.shape)
+    def __init__(self, parts: Sequence[_Part], groups: Sequence[Group]) -> None:
+        self._parts = parts
+        self._near, self._near_at = _joined([part.near for part in parts])
+        self._coords, self._coords_at = _joined([group.coords for group in groups])
+        sizes = [part.source.size for part in parts]
+        self._kept_at = np.cumsum([0, *sizes])
+        self._kept = np.zeros(self._kept_at[-1])
+        self._views = [
+            self._kept[at : at + size].reshape(part.source.shape)
+            for at, size, part in zip(self._kept_at, sizes, parts, strict=False)
+        ]
+
+    def reduce(self, k: Floats, groups: Sequence[Group], out: Floats) -> None:
+        """Keep the values, and write K_fg N."""
+        for part, group, kept in zip(self._parts, groups, self._views, strict=True):
+            reduce_panel(k, part.source, part.slots, part.stride, group.N, kept, out)
+
+    def subtract(self, x: Floats, out: Floats, *, transposed: bool) -> None:
+        """out_f -= K_fg x_g, or out_g -= K_gf x_f when ``transposed``."""
+        apply = subtract_transposed if transposed else subtract_panels
+        apply(self._near, self._near_at, self._coords, self._coords_at, self._kept, self._kept_at, x, out)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The panel of one group; see :class:`_Panels`."""
+
+    near: Ints
+    source: Indices
+    slots: Ints
+    stride: int
+
+
+def _joined(parts: Sequence[Ints]) -> tuple[Indices, Ints]:
+    """Several lists in one, and where each begins."""
+    none = np.zeros(0, np.int64)
+    return np.concatenate([none, *parts]).astype(np.int32), np.cumsum([0, *(len(part) for part in parts)])
 
 
 class Reduction:
@@ -71,11 +105,11 @@ class Reduction:
         self._plain = source[free].astype(np.int32), slot(number[rows[free]], number[cols[free]]).astype(np.int32)
         self._free, self._number_of_free = np.flatnonzero(owner < 0), number[owner < 0]
         entry = _lookup(rows, cols, source, pattern.n)
-        self._right: list[_Panel] = []
-        self._down: list[_Panel] = []
+        panels: list[tuple[_Part, _Part]] = []
         for g, group in enumerate(groups):
             near = np.union1d(cols[owner[rows] == g], rows[owner[cols] == g])
-            self._add_panels(group, near[owner[near] < 0], number, entry, slot)
+            panels.append(self._panels(group, near[owner[near] < 0], number, entry, slot))
+        self._right, self._down = (_Panels([pair[i] for pair in panels], groups) for i in (0, 1))
         core = np.flatnonzero((owner[rows] >= 0) & (owner[cols] >= 0))
         self._set_core(source[core], rows[core], cols[core], number, width, slot)
 
@@ -96,14 +130,15 @@ class Reduction:
         self._n, self._numbers = new, number
         return number, owner
 
-    def _add_panels(self, group: Group, near: Ints, number: Ints, entry: Lookup, slot: Lookup) -> None:
+    def _panels(self, group: Group, near: Ints, number: Ints, entry: Lookup, slot: Lookup) -> tuple[_Part, _Part]:
+        """K_fg and K_gf of one group."""
         shape = (len(near), len(group.coords))
         f, g = (part.reshape(-1) for part in np.broadcast_arrays(near[:, None], group.coords))
         first = np.full(len(near), number[group.coords[0]])
         down = slot(first, number[near])
         stride = int((slot(first + 1, number[near]) - down)[0]) if len(near) and group.n_motion > 1 else 0
-        self._right.append(_Panel(entry(f, g).reshape(shape), near, slot(number[near], first), 1))
-        self._down.append(_Panel(entry(g, f).reshape(shape), near, down, stride))
+        right, below = (source.reshape(shape).astype(np.int32) for source in (entry(f, g), entry(g, f)))
+        return _Part(near, right, slot(number[near], first), 1), _Part(near, below, down, stride)
 
     def _set_core(self, source: Ints, rows: Ints, cols: Ints, number: Ints, width: Ints, slot: Lookup) -> None:
         """Entries between constrained coordinates, and where the weights of these are."""
@@ -126,9 +161,8 @@ class Reduction:
     def reduce(self, k: Floats, out: Floats) -> None:
         """Values of N^T K N in the order of the pattern ``reduced``; what :meth:`forces_on_groups` needs of K is kept."""
         couple(k, *self._plain, out)
-        for group, right, down in zip(self._groups, self._right, self._down, strict=True):
-            reduce_panel(k, right.source, right.slots, right.stride, group.N, right.kept, out)
-            reduce_panel(k, down.source, down.slots, down.stride, group.N, down.kept, out)
+        self._right.reduce(k, self._groups, out)
+        self._down.reduce(k, self._groups, out)
         if self._groups:
             np.take(k, self._core[0], out=self._core_values)
             np.concatenate([group.N.reshape(-1) for group in self._groups], out=self._weights)
@@ -153,19 +187,16 @@ class Reduction:
     def without_constrained(self, r: Floats, x: Floats) -> Floats:
         """r - K x for an x that is zero but in groups."""
         out = r.copy()
-        for group, right in zip(self._groups, self._right, strict=True):
-            out[right.near] -= right.kept @ x[group.coords]
+        self._right.subtract(x, out, transposed=False)
         self._subtract_core(x, out)
         return out
 
-    def forces_on_groups(self, r: Floats, x: Floats) -> Iterator[tuple[Group, Floats]]:
-        """(r - K x)_g of each group."""
-        if not self._groups:
-            return
+    def forces_on_groups(self, r: Floats, x: Floats) -> Floats:
+        """r - K x, right in the rows of groups alone."""
         out = r.copy()
+        self._down.subtract(x, out, transposed=True)
         self._subtract_core(x, out)
-        for group, down in zip(self._groups, self._down, strict=True):
-            yield group, out[group.coords] - x[down.near] @ down.kept
+        return out
 
     def _subtract_core(self, x: Floats, out: Floats) -> None:
         _, rows, cols = self._core

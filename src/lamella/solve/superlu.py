@@ -10,12 +10,9 @@ from scipy.sparse.linalg import SuperLU, splu
 from lamella.assembly.pattern import Pattern
 from lamella.errors import SingularSystemError
 from lamella.roles import Floats
-from lamella.solve.base import BACKWARD_ERROR_LIMIT, LinearSolver, not_finite, singular
+from lamella.solve.base import BACKWARD_ERROR_LIMIT, CONDITION_LIMIT, LinearSolver, not_finite, singular
 from lamella.solve.saddle import SaddleMatrix, probe
 
-CONDITION_LIMIT = 1e14
-"""Estimated condition of the equilibrated matrix above which it counts as singular: rounding makes a singular matrix appear
-with 1e15 and more."""
 REFINE_ABOVE = 1e-12
 """Residual relative to the right-hand side above which one step of iterative refinement is made."""
 
