@@ -14,7 +14,7 @@ from lamella.solve.base import PIVOT_TOLERANCE
 _geqrf, _orgqr, _trtrs = get_lapack_funcs(("geqrf", "orgqr", "trtrs"), dtype=np.float64)
 
 SOFTEST = 1e-6
-"""Least stiffness by which a coordinate is scaled, relative to the largest in its group, both for one unit of the constraint."""
+"""Least stiffness that scales a coordinate, relative to the largest in its group, for equal entries in J."""
 
 
 class Group:
@@ -51,8 +51,8 @@ class Group:
         J = np.zeros((m, n_lam), order="F")
         J[self._places] = j[self._entries]
         unit, own = (J**2).max(axis=1), np.abs(stiffness[self.coords])
-        unit[unit == 0.0] = 1.0
-        d = np.sqrt(np.maximum(own, SOFTEST * ((own / unit).max() or 1.0) * unit))
+        d = np.sqrt(np.maximum(own, SOFTEST * (own.max() or 1.0) / (unit.max() or 1.0) * unit))
+        d[d == 0.0] = 1.0
         J /= d[:, None]
         qr, tau, _, _ = _geqrf(J)
         pivots, size = np.abs(qr.diagonal()), np.sqrt((J**2).sum(axis=0))
