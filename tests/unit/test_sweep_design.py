@@ -71,7 +71,15 @@ def test_a_list_gives_its_rows_in_the_order_of_the_parameters() -> None:
 
 @pytest.mark.parametrize(
     ("value", "number"),
-    [("1 mm", (1.0, "mm")), ("-1e-3m", (-1e-3, "m")), (4, (4.0, "")), ("exact", None), ([1, 2], None), (True, None), ("10 %", (10.0, "%"))],
+    [
+        ("1 mm", (1.0, "mm")),
+        ("-1e-3m", (-1e-3, "m")),
+        (4, (4.0, "")),
+        ("exact", None),
+        ([1, 2], None),
+        (True, None),
+        ("10 %", (10.0, "%")),
+    ],
 )
 def test_numbers_and_units_are_told_apart(value, number) -> None:
     assert quantity_of(value) == number
@@ -117,9 +125,15 @@ def test_columns_are_numbers_where_units_agree() -> None:
         (lambda: study({"h": THICKNESS}, lm.ListDesign(())), "the design is empty"),
         (lambda: study({"h": THICKNESS}, lm.GridDesign()), "h: a grid needs 'values', or 'range' and 'count'"),
         (lambda: study({"h": lm.Parameter("a")}, lm.SobolDesign(4, seed=1)), "h: this design draws values from a range"),
-        (lambda: study({"h": lm.Parameter("a")}, lm.ListDesign(({"g": 1},))), r"runs\[0\] gives g; accepted is a value for each of h"),
+        (
+            lambda: study({"h": lm.Parameter("a")}, lm.ListDesign(({"g": 1},))),
+            r"runs\[0\] gives g; accepted is a value for each of h",
+        ),
         (lambda: study({"h": THICKNESS}, lm.ListDesign(({"h": 1},))), "h: a list of runs gives the values"),
-        (lambda: study({str(k): lm.Parameter(f"a{k}", values=tuple(range(9))) for k in range(9)}, lm.GridDesign()), "387420489 runs"),
+        (
+            lambda: study({str(k): lm.Parameter(f"a{k}", values=tuple(range(9))) for k in range(9)}, lm.GridDesign()),
+            "387420489 runs",
+        ),
         (lambda: study({"h": THICKNESS, "g": THICKNESS}, lm.SobolDesign(4, seed=1)), "is that of the parameter 'h' already"),
         (lambda: study({"y": THICKNESS}, lm.SobolDesign(4, seed=1)), "both called y"),
         (lambda: lm.ParameterStudy("m", {"h": THICKNESS}, lm.SobolDesign(4, seed=1), {}), "outputs is empty"),
@@ -136,8 +150,16 @@ def study(parameters, design) -> ParameterStudy:
 
 @pytest.mark.parametrize(
     ("name", "wanted"),
-    # z = t on [0, 2], sampled unevenly: exact but for the rms and std, whose integrand is parabolic, h^2/12 of the trapezoidal rule
-    [("last", 2.0), ("max", 2.0), ("min", 0.0), ("largest", 2.0), ("mean", 1.0), ("rms", np.sqrt(4 / 3)), ("std", np.sqrt(1 / 3))],
+    # z = t on [0, 2], sampled unevenly: exact but for rms and std, whose integrand is a parabola: h^2/12 of the trapezoidal rule
+    [
+        ("last", 2.0),
+        ("max", 2.0),
+        ("min", 0.0),
+        ("largest", 2.0),
+        ("mean", 1.0),
+        ("rms", np.sqrt(4 / 3)),
+        ("std", np.sqrt(1 / 3)),
+    ],
 )
 def test_statistics_weigh_by_time(name, wanted) -> None:
     t = 2.0 * np.linspace(0.0, 1.0, 2001) ** 2

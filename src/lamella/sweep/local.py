@@ -40,7 +40,6 @@ class Worker:
     """A process that runs one task at a time, and is replaced when it dies."""
 
     def __init__(self) -> None:
-        self._pid = 0
         self._start()
 
     def wait_ready(self) -> None:
@@ -50,13 +49,9 @@ class Worker:
             WorkerError: it ended before, and so did those put in its place.
         """
         for _ in range(ATTEMPTS):
-            try:
-                self._pid = self._first.result()
-            except BrokenProcessPool:
-                self._start()
-            else:
+            if self._first.exception() is None:
                 return
-        self.end()
+            self._start()
         raise WorkerError(HINT)
 
     def submit(self, task: Task) -> Future[Row]:
@@ -68,18 +63,16 @@ class Worker:
             return self._pool.submit(run_task, task)
 
     def replace(self) -> None:
-        """Put a new process in the place of a dead one."""
+        """Put a new process in the place of a dead one; it takes tasks at once, which wait for its start."""
         self.end()
         self._start()
-        self.wait_ready()
 
     def end(self) -> None:
         """End the process, whatever it is doing."""
         self._pool.shutdown(wait=False, cancel_futures=True)
-        if self._pid:
+        if self._first.done() and not self._first.cancelled() and self._first.exception() is None:
             with suppress(ProcessLookupError, PermissionError):
-                os.kill(self._pid, signal.SIGTERM)
-            self._pid = 0
+                os.kill(self._first.result(), signal.SIGTERM)
 
     def _start(self) -> None:
         self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _prepare)

@@ -157,7 +157,10 @@ class StudyFile:
                 return self._read(document, self.study.settings(row))
             except ModelFileError as error:
                 first = first or error
-        raise self.refused(("parameters",), f"no run of the study has a model that can be read; that of the first: {first}")
+        parameters = self.study.parameters.items()
+        spoken = [name for name, each in parameters if any(f"--set {path}=" in str(first) for path in each.factors)]
+        place = ("parameters", spoken[0], "path") if spoken else ("parameters",)
+        raise self.refused(place, f"no run of the study has a model that can be read; that of the first: {first}")
 
 
 def read_study(path: str | Path) -> StudyFile:
