@@ -6,6 +6,7 @@ import csv
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -385,6 +386,7 @@ def cluster(environment: dict[str, str], tmp_path: Path) -> Generator[tuple[str,
     processes = [subprocess.Popen(scheduler, **quiet)]
     end = time.monotonic() + DEADLINE
     while not file.exists():
+        assert processes[0].poll() is None
         assert time.monotonic() < end
         time.sleep(0.05)
     processes += [subprocess.Popen(worker, **quiet) for _ in range(2)]
@@ -405,7 +407,8 @@ def test_a_cluster_loses_a_worker_and_then_its_scheduler(long_study: Path, tmp_p
     assert {row["status"] for row in table(tmp_path / "out")} == {"ok"}
     by_cluster = (tmp_path / "out" / "table.csv").read_bytes()
 
-    running = start(environment, tmp_path, "--cluster", address, "--overwrite")
+    shutil.rmtree(tmp_path / "out")
+    running = start(environment, tmp_path, "--cluster", address)
     wait_for_runs(tmp_path / "out", 5)
     scheduler.kill()
     error = running.communicate(timeout=DEADLINE)[1]
