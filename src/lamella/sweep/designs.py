@@ -14,7 +14,7 @@ from scipy.stats import qmc
 
 from lamella.declaration import declaration
 from lamella.roles import Floats
-from lamella.sweep.parameter import Parameter
+from lamella.sweep.parameter import Parameter, check_value
 
 MOST_RUNS = 100_000
 """Largest number of runs in a study: more are a slip of the pen."""
@@ -81,6 +81,8 @@ class ListDesign(Design):
             if set(row) != set(parameters):
                 given, wanted = ", ".join(row) or "none", ", ".join(parameters)
                 raise ValueError(f"runs[{number}] gives {given}; accepted is a value for each of {wanted}")
+            for value in row.values():
+                check_value(value)
         return [{name: row[name] for name in parameters} for row in self.runs]
 
 

@@ -50,6 +50,8 @@ class Parameter:
             raise ValueError("values and range are both given; accepted is one of them")
         if self.values is not None and not self.values:
             raise ValueError("values is empty; accepted is a list of at least one value")
+        for value in self.values or ():
+            check_value(value)
         if self.range is not None:
             low, high, _ = self.bounds
             if not low < high:
@@ -104,6 +106,20 @@ class Parameter:
         return [
             f"{path.strip()}={json.dumps(_times(value, factor), ensure_ascii=False)}" for path, factor in self.factors.items()
         ]
+
+
+def check_value(value: Any) -> None:
+    """Refuse what a model file cannot hold.
+
+    Raises:
+        ValueError: it is no number, text, truth value or list of such.
+    """
+    try:
+        json.dumps(value, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"values: {value!r} of type {type(value).__name__}; accepted are numbers, text, true, false, lists"
+        ) from error
 
 
 def quantity_of(value: Any) -> tuple[float, str] | None:

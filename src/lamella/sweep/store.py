@@ -89,7 +89,7 @@ def _identity(checked: Checked) -> dict[str, str]:
         "outputs": {name: repr(output) for name, output in study.outputs.items()},
     }
     hashes = {name: hashlib.sha256(json.dumps(part).encode()).hexdigest() for name, part in parts.items()}
-    return {"format": "lamella study", "lamella": __version__, **hashes}
+    return {"format": "lamella study", "version of lamella": __version__, **hashes}
 
 
 def _compare(folder: Path, identity: dict[str, str]) -> None:
