@@ -67,7 +67,8 @@ def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"
             )
     console = Console(highlight=False, soft_wrap=True)
-    console.print(table)
+    if table.row_count:  # an example may be a parameter study alone
+        console.print(table)
     for label, note in notes:
         console.print(f"{label}: {note}", markup=False)
     console.print(f"written to {folder}:")
