@@ -37,7 +37,7 @@ LAYERS = [
     {"solve"},
     {"integrate"},
     {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linearize"},
-    {"__init__", "study", "io", "viz", "verification", "examples", "templates"},  # __init__: the public names
+    {"__init__", "study", "sweep", "io", "viz", "verification", "examples", "templates"},  # __init__: the public names
     {"cli", "__main__"},
 ]
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
@@ -47,7 +47,7 @@ DOORS = {
 }
 HEAVY = {
     *("matplotlib", "pyvista", "vtk", "vtkmodules", "h5py", "h5netcdf", "xarray", "pint", "pandas", "imageio", "PIL"),
-    *("jinja2", "markdown_it"),
+    *("jinja2", "markdown_it", "distributed", "dask", "pyarrow"),
 }
 NUMBA_MODULES = {"_jit", "lane"}
 FORBIDDEN_NAMES = {"util", "utils", "utilities", "manager", "helper", "helpers", "misc", "common", "tools"}

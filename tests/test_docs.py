@@ -33,6 +33,11 @@ def models(text: str) -> list[str]:
     return [body for body in blocks(text, "yaml") if body.startswith("lamella: 1")]
 
 
+def studies(text: str) -> list[str]:
+    """The study files of a page."""
+    return [body for body in blocks(text, "yaml") if body.startswith("study: 1")]
+
+
 def commands(text: str) -> set[str]:
     """The subcommands of ``lamella`` that a page's shell blocks call."""
     return set(re.findall(r"^(?:\.venv/bin/)?lamella (\w+)", "\n".join(blocks(text, "sh")), re.MULTILINE))
@@ -65,6 +70,15 @@ def test_model_files_of_a_page_are_models(page: Path) -> None:
 
     for text in models(page.read_text("utf-8")):
         loads(text, name=name(page)).system.compile()
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if studies(page.read_text("utf-8"))], ids=name)
+def test_study_files_of_a_page_are_studies(page: Path, tmp_path: Path) -> None:
+    from lamella.sweep.study import read_study
+
+    for text in studies(page.read_text("utf-8")):
+        (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
+        assert read_study(tmp_path / "study.yaml").checked().units
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)

@@ -101,6 +101,16 @@ if TYPE_CHECKING:
     from lamella.surface.revolution import ConeSurface as ConeSurface
     from lamella.surface.revolution import CylinderSurface as CylinderSurface
     from lamella.surface.revolution import SphereSurface as SphereSurface
+    from lamella.sweep.designs import GridDesign as GridDesign
+    from lamella.sweep.designs import LatinHypercubeDesign as LatinHypercubeDesign
+    from lamella.sweep.designs import ListDesign as ListDesign
+    from lamella.sweep.designs import SaltelliDesign as SaltelliDesign
+    from lamella.sweep.designs import SobolDesign as SobolDesign
+    from lamella.sweep.outputs import ShapeOutput as ShapeOutput
+    from lamella.sweep.outputs import SignalOutput as SignalOutput
+    from lamella.sweep.parameter import Parameter as Parameter
+    from lamella.sweep.run import run_parameter_study as run_parameter_study
+    from lamella.sweep.study import ParameterStudy as ParameterStudy
     from lamella.system import System as System
     from lamella.thermal.field import TemperatureField as TemperatureField
     from lamella.thermal.prescribed import PrescribedTemperature as PrescribedTemperature
@@ -185,6 +195,11 @@ _HOME = {
     "surface.points": ("PointSurface",),
     "surface.pulleys": ("PulleySurface",),
     "surface.revolution": ("AnnulusSurface", "BeltSurface", "ConeSurface", "CylinderSurface", "SphereSurface"),
+    "sweep.designs": ("GridDesign", "LatinHypercubeDesign", "ListDesign", "SaltelliDesign", "SobolDesign"),
+    "sweep.outputs": ("ShapeOutput", "SignalOutput"),
+    "sweep.parameter": ("Parameter",),
+    "sweep.run": ("run_parameter_study",),
+    "sweep.study": ("ParameterStudy",),
     "system": ("System",),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}

@@ -68,3 +68,7 @@ class ResultFileError(LamellaError):
 
 class MissingExtraError(LamellaError, ImportError):
     """An optional library is needed; the message gives the ``pip install`` line."""
+
+
+class WorkerError(LamellaError):
+    """The processes or the cluster that run a study cannot be reached, or were lost; what was finished is kept."""

@@ -29,6 +29,24 @@ def compilation_notice(shown: bool) -> AbstractContextManager[None]:
     return announced(lambda text: print(text, file=sys.stderr, flush=True))
 
 
+def rich_bar(label: str, stream: TextIO) -> tuple[Any, Any]:
+    """A started bar on a terminal and its task, whose ``completed`` goes from 0 to 1."""
+    from rich.console import Console  # imported late: 0.1 s that a quiet run never needs
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=30),
+        TextColumn("{task.percentage:>3.0f} %  {task.fields[text]}"),
+        TimeElapsedColumn(),
+        TextColumn("to go"),
+        TimeRemainingColumn(),
+    )
+    bar = Progress(*columns, console=Console(file=stream), transient=False, refresh_per_second=8)
+    bar.start()
+    return bar, bar.add_task(label, total=1.0, text="")
+
+
 class ProgressBar:
     """Shows how far a solution is, the time to go, its step size and its Newton iterations; it is a recorder's sink.
 
@@ -57,23 +75,7 @@ class ProgressBar:
         self._begun: float | None = None
         self._shown = 0.0
         self._lines = 0
-        self._bar, self._task = self._rich_bar() if self._stream.isatty() else (None, None)
-
-    def _rich_bar(self) -> tuple[Any, Any]:
-        from rich.console import Console  # imported late: 0.1 s that a quiet run never needs
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=30),
-            TextColumn("{task.percentage:>3.0f} %  {task.fields[text]}"),
-            TimeElapsedColumn(),
-            TextColumn("to go"),
-            TimeRemainingColumn(),
-        )
-        bar = Progress(*columns, console=Console(file=self._stream), transient=False, refresh_per_second=8)
-        bar.start()
-        return bar, bar.add_task(self.label, total=1.0, text="")
+        self._bar, self._task = rich_bar(label, self._stream) if self._stream.isatty() else (None, None)
 
     def sample(self, at: float, values: Sequence[Floats]) -> None:
         """Show the axis value reached; the clock starts after the first step, since that one may wait for compilation."""
@@ -124,3 +126,45 @@ class ProgressBar:
         if self.statistics is not None and self.statistics.steps:
             words.append(f"{self.statistics.newton_iterations / self.statistics.steps:.1f} iterations a step")
         return ", ".join(words)
+
+
+class CountBar:
+    """Shows how many of a number of things are done and the time to go.
+
+    Args:
+        label: what is done, for example ``study``.
+        before: number done before the clock starts; they say nothing about the time to go.
+        total: number in all.
+        what: their name, for example ``runs``.
+        stream: where to write, standard error by default.
+    """
+
+    def __init__(self, label: str, before: int, total: int, what: str, stream: TextIO | None = None) -> None:
+        self.label, self.before, self.total, self.what = label, before, total, what
+        self._stream = stream or sys.stderr
+        self._done, self._note, self._lines = before, "", 0
+        self._begun = time.monotonic()
+        self._bar, self._task = rich_bar(label, self._stream) if self._stream.isatty() else (None, None)
+        if self._bar is not None:
+            self._bar.update(self._task, total=total - before, text=self.text())
+
+    def count(self, done: int, note: str = "") -> None:
+        """Show the number done, with a note behind it."""
+        self._done, self._note = done, note
+        if self._bar is not None:
+            self._bar.update(self._task, completed=done - self.before, text=self.text())
+        elif (lines := done * LINES // self.total) > max(self._lines, self.before * LINES // self.total):
+            self._lines = lines
+            elapsed = time.monotonic() - self._begun
+            to_go = elapsed * (self.total - done) / (done - self.before)
+            print(f"{self.label}: {self.text()}, {elapsed:.0f} s, {to_go:.0f} s to go", file=self._stream, flush=True)
+
+    def end(self) -> None:
+        """Show how far it got."""
+        if self._bar is not None:
+            self._bar.stop()
+        print(f"{self.label}: {self.text()}, {time.monotonic() - self._begun:.1f} s", file=self._stream, flush=True)
+
+    def text(self) -> str:
+        """The number done of all, and the note."""
+        return f"{self._done} of {self.total} {self.what}" + (f", {self._note}" if self._note else "")

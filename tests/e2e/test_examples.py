@@ -24,6 +24,7 @@ from lamella.io.model_file import read_model
 from lamella.io.results import read_result
 from lamella.study.measures import time_average
 from lamella.study.study import Study
+from lamella.sweep.study import read_study
 
 Command = Callable[..., subprocess.CompletedProcess[str]]
 BRIEF = [word for key in ("animation", "paraview", "pictures", "report") for word in ("--set", f"output.{key}=false")]
@@ -63,6 +64,7 @@ def test_the_examples_are_listed_with_their_titles() -> None:
         "cantilever-plate",
         "corner-pinned-plate",
         "solar-array",
+        "layup-study",
         "deployment-springs",
         "thermal-flutter",
         "satellite-thermal",
@@ -192,6 +194,16 @@ def test_an_array_begins_to_unfold(here: Command, tmp_path: Path, name: str, ana
     else:
         assert abs(result["hinge0.angle"].values[-1]) < math.radians(80)
         assert result["hinge1.angle"].values[-1] == pytest.approx(math.radians(160), abs=0.02)
+
+
+def test_the_study_of_layups_goes_with_its_model() -> None:
+    """Paths, outputs and windows; the plies are those of the solar array where the angle is 45 degrees."""
+    source = read_study(examples()["layup-study"].folder / "study.yaml")
+    checked = source.checked()
+    assert checked.units == dict.fromkeys(("drive", "drive_std", "guide", "guide_std"), "N")
+    at_45 = next(row for row in source.study.rows() if row["angle"] == 45)
+    panel = read_model(checked.path, source.study.settings(at_45)).system.bodies[0].laminate
+    assert panel.angles == read_model(examples()["solar-array"].model).system.bodies[0].laminate.angles
 
 
 def test_a_satellite_begins_to_turn_in_the_sun(here: Command, tmp_path: Path) -> None:
@@ -326,6 +338,15 @@ def test_corner_pinned_plate_whole(run) -> None:
     # The window resolves 2 Hz; peaks of so few periods are good to a tenth of a hertz.
     assert rising["largest peak of the spectrum of z_C, 2 N [Hz]"] == pytest.approx(2.75, abs=0.1)
     assert rising["largest peak of the spectrum of z_C, 10 N [Hz]"] == pytest.approx(5.06, abs=0.1)
+
+
+@pytest.mark.slow
+def test_layup_study_whole(run, tmp_path: Path) -> None:
+    findings = run("layup-study")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 2
+    assert (tmp_path / "out" / "angles" / "table.csv").is_file()
+    assert (tmp_path / "out" / "pictures" / "angles.png").is_file()
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import io
 import pytest
 
 from lamella import progress
-from lamella.progress import ProgressBar
+from lamella.progress import CountBar, ProgressBar
 from lamella.result import Cause, Outcome, Statistics
 
 
@@ -29,3 +29,19 @@ def test_early_end_is_told() -> None:
     bar = ProgressBar("still", 0.0, 1.0, "", stream=stream)
     bar.close(Outcome(Cause.SINGULAR, 0.0, 1.0), Statistics())
     assert "still: stopped at 0 of 1: the system matrix is singular" in stream.getvalue()
+
+
+def test_counts_tell_the_time_to_go_from_what_was_done_since_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter([100.0, 120.0, 150.0, 160.0])
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))
+    stream = io.StringIO()
+    bar = CountBar("study", 50, 100, "runs", stream)  # half of it was done another day
+    bar.count(51)  # less than a tenth more: nothing is said
+    bar.count(60, "1 failed")
+    bar.count(75)
+    bar.end()
+    assert stream.getvalue().splitlines() == [
+        "study: 60 of 100 runs, 1 failed, 20 s, 80 s to go",
+        "study: 75 of 100 runs, 50 s, 50 s to go",
+        "study: 75 of 100 runs, 60.0 s",
+    ]

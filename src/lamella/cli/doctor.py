@@ -34,6 +34,8 @@ OPTIONAL = {
     "pyvista": ("viz", "smoothly shaded pictures; matplotlib draws them otherwise"),
     "imageio": ("viz", "animations as MP4, together with imageio-ffmpeg"),
     "mkl": ("mkl", "large unsymmetric or indefinite systems; the multifrontal solver built in does all others"),
+    "distributed": ("cluster", "parameter studies on a cluster; on one machine they need nothing"),
+    "pyarrow": ("parquet", "tables of parameter studies as Parquet; they are written as CSV in any case"),
 }
 ENOUGH_DISK = 1e9
 

@@ -74,6 +74,37 @@ def run_model(
 
 
 @app.command()
+def study(
+    file: Annotated[Path, typer.Argument(help="A study file.", metavar="STUDY")],
+    out: OutFolder = None,
+    settings: Settings = None,
+    workers: Annotated[int | None, typer.Option("--workers", "-w", min=1, help="Processes on this machine; its cores.")] = None,
+    cluster: Annotated[
+        str | None, typer.Option("--cluster", help="Address of a Dask scheduler, which runs them instead.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Start anew, whatever the folder holds.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
+    no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Write the table only: no plots or report.")] = False,
+) -> None:
+    """Run a model at many values of its parameters; goes on with a study that was interrupted."""
+    from lamella.cli.study import study_command
+
+    try:
+        study_command(
+            file,
+            out,
+            settings or [],
+            workers=workers,
+            cluster=cluster,
+            overwrite=overwrite,
+            quiet=quiet,
+            pictures=not no_pictures,
+        )
+    except KeyboardInterrupt as error:
+        raise Interrupted(str(error)) from error
+
+
+@app.command()
 def new(
     name: Annotated[str | None, typer.Argument(help="The file to write; .yaml is added.")] = None,
     template: Annotated[str, typer.Option("--template", "-t", help="Which template.")] = "cantilever",

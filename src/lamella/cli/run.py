@@ -8,8 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from lamella.errors import ModelFileError
-from lamella.examples import Example, example, examples
+from lamella.examples import Example, find_model
 from lamella.io.analysis import shape_table
 from lamella.io.model_file import read_model
 from lamella.shapes import Shapes
@@ -21,12 +20,12 @@ from lamella.study.study import Study, run_study
 
 def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: bool, quiet: bool, pictures: bool) -> None:
     """Run a model file or an example and print a summary."""
-    chosen = _find(name)
+    chosen = find_model(name)
     path = chosen.model if isinstance(chosen, Example) else chosen
     model = read_model(path, settings)  # all errors of the file come before anything is written
     folder = open_folder(out or Path("results") / (chosen.name if isinstance(chosen, Example) else chosen.stem), overwrite)
     progress = not quiet
-    say = _ignore if quiet else _say
+    say = say_nothing if quiet else say_on_error_stream
     if not (isinstance(chosen, Example) and chosen.is_study):
         finished = run_model(model, folder, pictures=pictures, progress=progress, say=say)
         if not quiet:
@@ -39,24 +38,12 @@ def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: 
         _show_findings(findings)
 
 
-def _find(name: str) -> Path | Example:
-    """The model file or example called ``name``; a file comes first."""
-    path = Path(name)
-    if path.exists():
-        return path
-    if name.replace("_", "-") in examples():
-        return example(name)
-    if path.suffix or len(path.parts) > 1:
-        raise ModelFileError(f"the model file '{name}' does not exist; 'lamella new {path.stem}' writes one to start from")
-    known = ", ".join(examples()) or "none"
-    raise ModelFileError(f"'{name}' is neither a model file nor an example; examples are: {known}")
-
-
-def _say(text: str) -> None:
+def say_on_error_stream(text: str) -> None:
+    """Print a line beside the results, at once."""
     print(text, file=sys.stderr, flush=True)
 
 
-def _ignore(text: str) -> None:
+def say_nothing(text: str) -> None:
     """Print nothing."""
 
 
@@ -80,16 +67,18 @@ def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -
                 label, str(item.computed.outcome), str(counts.steps), str(counts.newton_iterations), f"{counts.seconds_run:.2f}"
             )
     console = Console(highlight=False, soft_wrap=True)
-    console.print(table)
+    if table.row_count:  # an example may be a parameter study alone
+        console.print(table)
     for label, note in notes:
         console.print(f"{label}: {note}", markup=False)
     console.print(f"written to {folder}:")
     for path in sorted({path for finished in runs.values() for item in finished for path in item.files} | set(files)):
         if path.is_file():
-            console.print(f"  {path.relative_to(folder)}  ({_size(path.stat().st_size)})")
+            console.print(f"  {path.relative_to(folder)}  ({size_text(path.stat().st_size)})")
 
 
-def _size(count: int) -> str:
+def size_text(count: int) -> str:
+    """Size of a file [bytes] in words."""
     return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"
 
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lamella.errors import ModelError, ResultFileError
+from lamella.errors import ModelError, ModelFileError, ResultFileError
 
 if TYPE_CHECKING:
     from lamella.study.findings import Finding
@@ -93,3 +93,20 @@ def example(name: str) -> Example:
         hint = f"; did you mean '{near[0]}'?" if near else "."
         raise ModelError(f"there is no example '{name}'{hint} There are: {', '.join(known) or 'none'}")
     return known[name]
+
+
+def find_model(name: str) -> Path | Example:
+    """The model file or example called ``name``; a file comes first.
+
+    Raises:
+        ModelFileError: there is neither.
+    """
+    path = Path(name)
+    if path.exists():
+        return path
+    if name.replace("_", "-") in examples():
+        return example(name)
+    if path.suffix or len(path.parts) > 1:
+        raise ModelFileError(f"the model file '{name}' does not exist; 'lamella new {path.stem}' writes one to start from")
+    known = ", ".join(examples()) or "none"
+    raise ModelFileError(f"'{name}' is neither a model file nor an example; examples are: {known}")

@@ -61,18 +61,19 @@ def read_model(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     return _model(Document.read(Path(path)), overrides)
 
 
-def loads(text: str, overrides: Sequence[str] = (), name: str = "model") -> ModelFile:
+def loads(text: str, overrides: Sequence[str] = (), name: str = "model", folder: Path | None = None) -> ModelFile:
     """Read a model from the text of a model file.
 
     Args:
         text: YAML (or JSON, which is YAML too).
         overrides: ``key=value`` texts that replace values.
         name: what messages call it.
+        folder: from which paths in it count; the present one when left out.
 
     Raises:
         ModelFileError: as :func:`read_model`.
     """
-    return _model(Document(text, name), overrides)
+    return _model(Document(text, name, folder), overrides)
 
 
 def _model(document: Document, overrides: Sequence[str]) -> ModelFile:

@@ -233,7 +233,7 @@ def write_signals(result: Result, path: Path) -> Path:
         for component, label in enumerate(signal.labels or ("",)):
             heading.append(f"{name}{'.' if label else ''}{label} [{signal.unit}]")
             columns.append(values[:, component] if signal.labels else values)
-    return _write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True))
+    return write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True))
 
 
 def write_values(modes: Shapes, path: Path) -> Path:
@@ -242,10 +242,15 @@ def write_values(modes: Shapes, path: Path) -> Path:
     Raises:
         ResultFileError: the file cannot be written.
     """
-    return _write_rows(path, ["mode", f"{modes.quantity[0]} [{modes.quantity[1]}]"], shape_table(modes))
+    return write_rows(path, ["mode", f"{modes.quantity[0]} [{modes.quantity[1]}]"], shape_table(modes))
 
 
-def _write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[float]]) -> Path:
+def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
+    """Write a table as CSV.
+
+    Raises:
+        ResultFileError: it cannot be written.
+    """
     try:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

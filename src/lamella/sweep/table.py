@@ -1,0 +1,94 @@
+"""The table of a study: a row for each run, in the order of the design."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from lamella.errors import DeclarationError, ResultFileError
+from lamella.roles import Floats
+from lamella.study.outputs import write_rows
+from lamella.sweep.parameter import columns_of
+from lamella.sweep.study import ParameterStudy
+from lamella.sweep.task import Row
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """What a study gave.
+
+    ``result["deflection"]`` is an output or a parameter over all runs, in the order of the design; NaN where a run failed.
+
+    Args:
+        study: what was asked for.
+        units: of the outputs, by name.
+        rows: of the runs, in the order of the design.
+        files: what was written.
+    """
+
+    study: ParameterStudy
+    units: Mapping[str, str]
+    rows: Sequence[Row]
+    files: Sequence[Path] = ()
+
+    @cached_property
+    def parameters(self) -> dict[str, tuple[str, list[float] | list[str]]]:
+        """Unit and values of each parameter; text where they are not numbers with one unit."""
+        return columns_of(self.study.rows(), list(self.study.parameters))
+
+    @property
+    def failures(self) -> list[Row]:
+        """The runs that gave nothing."""
+        return [row for row in self.rows if row.status != "ok"]
+
+    @property
+    def ok(self) -> np.ndarray:
+        """Whether each run gave its outputs."""
+        return np.array([row.status == "ok" for row in self.rows])
+
+    def __getitem__(self, name: str) -> Floats:
+        if name in self.units:
+            return np.array([row.values.get(name, np.nan) for row in self.rows])
+        if name in self.parameters:
+            return np.asarray(self.parameters[name][1])
+        known = ", ".join((*self.parameters, *self.units))
+        raise DeclarationError("study", f"no output or parameter '{name}'", f"there are {known}")
+
+    def label(self, name: str) -> str:
+        """A name with its unit in brackets, where it has one."""
+        unit = self.units[name] if name in self.units else self.parameters[name][0]
+        return f"{name} [{unit}]" if unit not in ("", "1") else name
+
+    def columns(self) -> dict[str, list[object]]:
+        """The table, column by column."""
+        table: dict[str, list[object]] = {"run": [row.number for row in self.rows]}
+        table |= {self.label(name): [*values] for name, (_, values) in self.parameters.items()}
+        table |= {self.label(name): [row.values.get(name) for row in self.rows] for name in self.units}
+        table["status"], table["message"] = [row.status for row in self.rows], [row.message for row in self.rows]
+        return table
+
+
+def write_tables(result: StudyResult, folder: Path) -> list[Path]:
+    """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed.
+
+    Raises:
+        ResultFileError: one cannot be written.
+    """
+    columns = result.columns()
+    files = [write_rows(folder / "table.csv", list(columns), zip(*columns.values(), strict=True))]
+    if importlib.util.find_spec("pyarrow") is not None:
+        import pyarrow
+        import pyarrow.parquet
+
+        path = folder / "table.parquet"
+        try:
+            pyarrow.parquet.write_table(pyarrow.table(columns), path)
+        except OSError as error:
+            raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+        files.append(path)
+    return files
