@@ -52,6 +52,9 @@ if TYPE_CHECKING:
     from lamella.joint.support import PointSupport as PointSupport
     from lamella.joint.support import PrescribedMotion as PrescribedMotion
     from lamella.joint.universal import UniversalJoint as UniversalJoint
+    from lamella.linear.model import LinearModel as LinearModel
+    from lamella.linear.model import linearise as linearise
+    from lamella.linear.state_space import StateSpace as StateSpace
     from lamella.load.event import Event as Event
     from lamella.load.force import EdgeForce as EdgeForce
     from lamella.load.force import PointForce as PointForce
@@ -146,6 +149,8 @@ _HOME = {
     "joint.distance": ("Cable", "DistanceJoint"),
     "joint.drive": ("AngleDrive", "SlideDrive"),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
+    "linear.model": ("LinearModel", "linearise"),
+    "linear.state_space": ("StateSpace",),
     "load.event": ("Event",),
     "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),
     "load.gravity": ("Gravity",),
