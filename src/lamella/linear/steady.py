@@ -190,8 +190,8 @@ class SteadyState:
             old, new = (scale @ m @ scale if m.shape[0] == m.shape[1] else m @ scale for m in (old, new))
             if abs(new - old).max() > CHANGED * max(abs(old).max(), 1e-300):
                 raise ModelError(
-                    f"linearise: the state moves at {fastest:.3g} of the bodies' size in a second, and its linear "
-                    "equations change on the way; accepted is a state at rest, a steady translation, or one in a frame that spins "
+                    f"linearise: the state moves at {fastest:.3g} of the bodies' size in a second, and its linear equations "
+                    "change on the way; accepted is a state at rest, a steady translation, or one in a frame that spins "
                     "(SteadySpin)"
                 )
 
