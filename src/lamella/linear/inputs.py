@@ -13,6 +13,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.errors import DeclarationError
 from lamella.joint.drive import AngleDrive, SlideDrive
 from lamella.linear.steady import SteadyState
+from lamella.load.controller import Controller
 from lamella.load.spring import TorsionSpring
 from lamella.math.profile import Constant
 from lamella.math.time_function import TimeFunction
@@ -173,6 +174,7 @@ def _effect(steady: SteadyState, system: System, name: str, channel: Channel, *,
         other = System(system.redundant)
         other.declarations = list(system.declarations)
         other.declarations[channel.number] = channel.at(level + change)
+        other.declarations = [item for item in other.declarations if not isinstance(item, Controller)]  # the loop is open
         return _Probe(steady, other.compile(steady.model.imperfection))
 
     step, here = 1.0, probe(0.0)
