@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 import lamella as lm
-from lamella.state import State
 
 ALUMINIUM = lm.Isotropic(E=70e9, nu=0.3, rho=2700.0)
 SECTION = lm.Laminate(ALUMINIUM, thickness=2e-3)
@@ -67,9 +66,3 @@ def hub(omega=0.0, torque=0.0, spin=False, hold=False, damping=0.0):
     frame = [lm.SteadySpin("spin", (0, 0, omega))] if spin else []
     drive = [lm.AngleDrive("drive", pin, angle=OFF)] if hold else []
     return system_of(ground, body, blade, pin, root, motor, *frame, *drive)
-
-
-def turning(state, omega, n_lam):
-    """The state of a spinning frame as one of the inertial frame at the time 0."""
-    v = np.cross([0.0, 0.0, omega], state.q.reshape(-1, 3)).reshape(-1)
-    return State(0.0, state.q, v, np.zeros_like(v), np.zeros(n_lam), state.mu)
