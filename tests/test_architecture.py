@@ -36,7 +36,7 @@ LAYERS = [
     {"assembly", "signals"},
     {"solve"},
     {"integrate"},
-    {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linearize"},
+    {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear"},
     {"__init__", "study", "sweep", "io", "viz", "verification", "examples", "templates"},  # __init__: the public names
     {"cli", "__main__"},
 ]

@@ -52,6 +52,13 @@ if TYPE_CHECKING:
     from lamella.joint.support import PointSupport as PointSupport
     from lamella.joint.support import PrescribedMotion as PrescribedMotion
     from lamella.joint.universal import UniversalJoint as UniversalJoint
+    from lamella.linear.model import LinearModel as LinearModel
+    from lamella.linear.model import linearise as linearise
+    from lamella.linear.state_space import StateSpace as StateSpace
+    from lamella.load.control_law import PID as PID
+    from lamella.load.control_law import FunctionLaw as FunctionLaw
+    from lamella.load.control_law import StateSpaceLaw as StateSpaceLaw
+    from lamella.load.controller import Controller as Controller
     from lamella.load.event import Event as Event
     from lamella.load.force import EdgeForce as EdgeForce
     from lamella.load.force import PointForce as PointForce
@@ -156,6 +163,10 @@ _HOME = {
     "joint.distance": ("Cable", "DistanceJoint"),
     "joint.drive": ("AngleDrive", "SlideDrive"),
     "joint.support": ("EdgeSupport", "PointSupport", "PrescribedMotion"),
+    "linear.model": ("LinearModel", "linearise"),
+    "linear.state_space": ("StateSpace",),
+    "load.control_law": ("PID", "FunctionLaw", "StateSpaceLaw"),
+    "load.controller": ("Controller",),
     "load.event": ("Event",),
     "load.force": ("EdgeForce", "PointForce", "SurfaceForce"),
     "load.gravity": ("Gravity",),

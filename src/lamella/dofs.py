@@ -54,6 +54,23 @@ class Trigger:
     level: float = 0.0
 
 
+class Sampler(Protocol):
+    """Something that acts at sample times on measured signals; see :class:`lamella.load.controller.Controller`."""
+
+    name: str
+    measures: tuple[str, ...]
+    """Signals or components."""
+    period: float
+
+    def sample(self, t: float, y: Floats) -> None:
+        """Act on the measured values."""
+        ...
+
+    def reset(self) -> None:
+        """Begin again."""
+        ...
+
+
 @dataclass(frozen=True)
 class LinearRow:
     """One constant linear constraint ``coefs . q[coords] = constant + motion(t)``, eliminated before the solution.
@@ -196,6 +213,7 @@ class Build:
     signals: list[Signal] = field(default_factory=list)
     bodies: dict[str, object] = field(default_factory=dict)
     triggers: list[Trigger] = field(default_factory=list)
+    samplers: list[Sampler] = field(default_factory=list)
     latches: dict[str, Callable[[], None]] = field(default_factory=dict)
     breakpoints: list[float] = field(default_factory=list)
     frames: dict[str, Frame] = field(default_factory=dict)
@@ -303,7 +321,7 @@ class Build:
         for group in (self.forces, self.loads):
             for k, block in enumerate(group):
                 if block.name == name:
-                    if not isinstance(block, SwitchedForce):
+                    if type(block) is not SwitchedForce:  # one that a controller holds is switched as a whole
                         block = group[k] = SwitchedForce(block, on=not on)
                     blocks.append(block)
 

@@ -86,7 +86,8 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
         values, shapes[own] = lowest(K, M, J, n, equations.magnitude[own])
         frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
     else:
-        G = _coriolis(model, equations, np.sqrt(point.factor) * model.spin)
+        T = equations.elimination.T
+        G = sparse.csr_array(T.T @ coriolis(model, np.sqrt(point.factor) * model.spin) @ T)
         roots, shapes[own] = gyroscopic(K, sparse.csc_array(G[own, own]), M, J, n, equations.magnitude[own])
         grows = np.abs(roots.real) > GROWING * np.abs(roots)
         frequencies = np.where(grows, -1.0, 1.0) * np.abs(roots) / (2 * np.pi)
@@ -95,11 +96,10 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
     return Modes(model, frequencies, T @ np.real(shapes), equations.coordinates(point), late)
 
 
-def _coriolis(model: Model, equations: Equations, spin: Floats) -> sparse.csr_array:
-    """G = 2 T^T M (1 x spin) T: the force on each coordinate vector is 2 M spin x v."""
+def coriolis(model: Model, spin: Floats) -> sparse.csr_array:
+    """G = 2 M (1 x spin) in all coordinates (n_q, n_q): the force on each coordinate vector is 2 M spin x v."""
     x, y, z = spin
     cross = sparse.csr_array(np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]))
     turn = sparse.kron(sparse.eye_array(model.n_motion // 3), cross, format="csr")
-    n, T = model.n_motion, equations.elimination.T
-    full = sparse.csr_array(sparse.block_diag([2.0 * model.mass[:n, :n] @ turn, sparse.csr_array((model.n_q - n,) * 2)]))
-    return sparse.csr_array(T.T @ full @ T)
+    n = model.n_motion
+    return sparse.csr_array(sparse.block_diag([2.0 * model.mass[:n, :n] @ turn, sparse.csr_array((model.n_q - n,) * 2)]))

@@ -11,7 +11,7 @@ from scipy import sparse
 from lamella.body.mesh import PlateMesh
 from lamella.body.rigid_frame import RigidFrame
 from lamella.constraint.dot_block import DotBlock
-from lamella.dofs import Build, DotRow, LinearRow, ScalarField, Signal, Support, Trigger
+from lamella.dofs import Build, DotRow, LinearRow, Sampler, ScalarField, Signal, Support, Trigger
 from lamella.errors import ModelError
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
 from lamella.state import State
@@ -38,6 +38,7 @@ class Model:
         breakpoints: times [s] at which a load or motion jumps, ascending.
         plates: compiled plates, for pictures and fields.
         triggers: events that may happen in a run.
+        samplers: controllers that act at sample times of a run.
         rigid_bodies: compiled rigid bodies, for pictures.
         fields: scalar fields, whose values are the coordinates behind those of the vectors.
         redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
@@ -63,6 +64,7 @@ class Model:
     breakpoints: tuple[float, ...]
     plates: tuple[PlateMesh, ...]
     triggers: tuple[Trigger, ...] = ()
+    samplers: tuple[Sampler, ...] = ()
     rigid_bodies: tuple[RigidFrame, ...] = ()
     fields: tuple[ScalarField, ...] = ()
     redundant: Literal["raise", "drop"] = "raise"
@@ -73,8 +75,8 @@ class Model:
 
     def reset(self) -> None:
         """Put blocks with discrete state back to that of the start of a run."""
-        for block in (*self.forces, *self.loads, *self.constraints):
-            block.reset()
+        for item in (*self.forces, *self.loads, *self.constraints, *self.samplers):
+            item.reset()
 
     def settle(self, state: State) -> None:
         """Tell all blocks that ``state`` has been accepted."""
@@ -152,6 +154,7 @@ class Model:
             dots=tuple(build.dots),
             supports=tuple(build.supports),
             triggers=tuple(build.triggers),
+            samplers=tuple(build.samplers),
             owners=tuple(build.owners),
             signals=tuple(build.signals),
             breakpoints=tuple(sorted(set(build.breakpoints))),

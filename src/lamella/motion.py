@@ -13,6 +13,7 @@ from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.integrate.events import EventWatch
+from lamella.integrate.sampling import Sampling
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
@@ -154,6 +155,7 @@ class _March:
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
         self.every, self.stride = every, stride
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
+        self.sampling = Sampling(equations.model.samplers, recorder.signals, recorder.start)
 
     def run(self, t: float, state: State) -> Outcome:
         """Step to the end; whatever happens, what was recorded stays valid."""
@@ -163,14 +165,19 @@ class _March:
         return replace(outcome, events=tuple(self.watch.happened)) if self.watch.happened else outcome
 
     def _run(self, t: float, state: State) -> Outcome:
-        stops = [s for s in self.equations.model.breakpoints if t < s < self.t_end] + [self.t_end]
+        jumps = [s for s in self.equations.model.breakpoints if t < s < self.t_end] + [self.t_end]
         try:
             self.recorder.sample(t, state)
-            for stop in stops:
-                failure = self._advance(stop)
+            self._control()
+            while jumps:
+                stop = min(jumps[0], self.sampling.next(self.t))
+                jumping = stop == jumps[0] and stop < self.t_end
+                failure = self._advance(stop, jumping)
                 if failure is not None:
                     return failure
-                if stop < self.t_end:
+                if stop == jumps[0]:
+                    jumps = jumps[1:]
+                if stop < self.t_end and not self._control():
                     self._restart()
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.t, self.t_end)
@@ -178,13 +185,13 @@ class _March:
             return Outcome(Cause.WRITE_FAILED, self.t, self.t_end, str(error))
         return Outcome(Cause.COMPLETED, self.t, self.t_end)
 
-    def _advance(self, stop: float) -> Outcome | None:
+    def _advance(self, stop: float, jumping: bool) -> Outcome | None:
         dt = self.stepper.first_step(self.integrator.dt)
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
             trial = remaining / count if count else dt
-            if count == 1 and stop < self.t_end:
+            if count == 1 and jumping:
                 trial *= 1.0 - BEFORE_JUMP
             outcome = self.stepper.step(trial)
             adaptive = self.integrator.tolerance is not None
@@ -240,8 +247,17 @@ class _March:
             cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
         return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
 
+    def _control(self) -> bool:
+        """Let controllers act whose time it is; the state behind the jump of their loads is recorded as well."""
+        if not self.sampling.act(self.t, self.state):
+            return False
+        self._restart()
+        self.recorder.sample(self.t, self.state)
+        return True
+
     def _restart(self) -> None:
         """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""
         point = self.equations.point_of(self.state, self.t)
         solve_rates(self.equations, point, self.linear)
+        self.state = self.equations.state(point)
         self.stepper.restart(point)

@@ -1,4 +1,4 @@
-"""Forces that events switch on and off."""
+"""Forces that events switch on and off, and that controllers hold at a level."""
 
 from __future__ import annotations
 
@@ -54,3 +54,37 @@ class SwitchedForce(ForceBlock):
     def reset(self) -> None:
         self.on = self._at_start
         self.block.reset()
+
+
+class HeldForce(SwitchedForce):
+    """A force block that is multiplied by a level which stays the same for a while; it is off at the start of a run.
+
+    Args:
+        block: the block.
+    """
+
+    level: float = 0.0
+
+    def __init__(self, block: ForceBlock) -> None:
+        super().__init__(block, on=True)
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        super().force(t, q, v, f)
+        f *= self.level
+
+    def force_tangent(
+        self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
+    ) -> None:
+        super().force_tangent(t, q, v, alpha_q, alpha_v, q_previous, f, k)
+        f *= self.level
+        k *= self.level
+
+    def energy(self, t: float, q: Floats) -> float:
+        return self.level * super().energy(t, q)
+
+    def dissipation(self, t: float, q: Floats, v: Floats) -> float:
+        return self.level * super().dissipation(t, q, v)
+
+    def reset(self) -> None:
+        super().reset()
+        self.level = 0.0

@@ -26,6 +26,7 @@ CASES = (
     "four-bar",
     "heat-conduction",
     "joint-order",
+    "linear-step-response",
     "pendulums",
     "plate-pendulum",
     "rigid-array",

@@ -33,6 +33,7 @@ REQUIRED = (
 OPTIONAL = {
     "pyvista": ("viz", "smoothly shaded pictures; matplotlib draws them otherwise"),
     "imageio": ("viz", "animations as MP4, together with imageio-ffmpeg"),
+    "control": ("control", "linear models as those of python-control; their files for NumPy and MATLAB need nothing"),
     "mkl": ("mkl", "large unsymmetric or indefinite systems; the multifrontal solver built in does all others"),
     "distributed": ("cluster", "parameter studies on a cluster; on one machine they need nothing"),
     "pyarrow": ("parquet", "tables of parameter studies as Parquet; they are written as CSV in any case"),

@@ -11,9 +11,11 @@ from rich.table import Table
 from lamella.examples import Example, find_model
 from lamella.io.analysis import shape_table
 from lamella.io.model_file import read_model
+from lamella.linear.state_space import StateSpace
 from lamella.shapes import Shapes
 from lamella.study.findings import Finding
 from lamella.study.folder import open_folder
+from lamella.study.linear_outputs import describe
 from lamella.study.run import Finished, run_model
 from lamella.study.study import Study, run_study
 
@@ -58,6 +60,9 @@ def _summary(runs: dict[str, list[Finished]], files: list[Path], folder: Path) -
                 name, unit = item.computed.quantity[0].replace("_", " "), item.computed.quantity[1]
                 lowest = f", first {name} {found[0][1]:.5g}{'' if unit == '1' else f' {unit}'}" if found else ""
                 table.add_row(label, f"{len(found)} {'shape' if len(found) == 1 else 'shapes'}{lowest}", "", "", "")
+                continue
+            if isinstance(item.computed, StateSpace):
+                table.add_row(label, describe(item.computed), "", "", "")
                 continue
             notes += [
                 (label, str(note)) for note in (*item.computed.start.notes, *item.computed.events, *item.computed.critical_points)

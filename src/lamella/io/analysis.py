@@ -14,6 +14,7 @@ from lamella.dofs import Signal
 from lamella.errors import ModelError
 from lamella.integrate.base import Integrator
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
+from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.motion import simulate
 from lamella.result import Result, Sink
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 else:
     Interval = quantity("s", gt=0)
 
-Computed = Result | Shapes
+Computed = Result | Shapes | StateSpace
 Count = Annotated[int, Field(ge=1)]
 
 

@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any, get_args
 
 import lamella
+import lamella.io.linear_analysis
 import lamella.io.static_analysis
 from lamella.io.analysis import Analysis, Output
 from lamella.io.annotation import concrete, in_files

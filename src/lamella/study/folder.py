@@ -13,7 +13,7 @@ MODES = "modes.h5"
 MODEL = "model.yaml"
 PICTURES = "pictures"
 WRITTEN = (
-    *(RESULT, MODES, MODEL, "signals.csv", "modes.csv", "surface.vtkhdf", "modes.vtkhdf"),
+    *(RESULT, MODES, MODEL, "signals.csv", "modes.csv", "linear.npz", "linear.mat", "surface.vtkhdf", "modes.vtkhdf"),
     *("animation.*", "report.html", "findings.json", PICTURES),
 )
 """Everything a run may leave in its folder."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamella.errors import ResultFileError
-from lamella.io.analysis import Analysis, Computed, Output, shape_table
+from lamella.io.analysis import Analysis, Output, shape_table
 from lamella.io.model_file import ModelFile
 from lamella.io.modes import mode_frames, natural_amplitude, write_modes
 from lamella.model import Model
@@ -37,7 +37,7 @@ SHOWN = 4
 
 
 def write_outputs(
-    model_file: ModelFile, analysis: Analysis, computed: Computed, folder: Path, pictures: bool, say: Callable[[str], None]
+    model_file: ModelFile, analysis: Analysis, computed: Result | Shapes, folder: Path, pictures: bool, say: Callable[[str], None]
 ) -> list[Path]:
     """Write what the model file's ``output`` asks for.
 

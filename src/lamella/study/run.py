@@ -12,12 +12,13 @@ from lamella.errors import ConvergenceError, LamellaError, ModelFileError, Resul
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
 from lamella.io.results import ResultWriter
+from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Result, Sink
-from lamella.shapes import Shapes
 from lamella.study.folder import MODEL, RESULT
 from lamella.study.interruption import Interruption
+from lamella.study.linear_outputs import write_linear_outputs
 from lamella.study.outputs import write_outputs
 
 Say = Callable[[str], None]
@@ -33,7 +34,7 @@ class Finished:
 
     Args:
         analysis: what was asked for.
-        computed: the result or the modes.
+        computed: the result, the modes or the linear model.
         files: what was written, in the order written.
         failure: why it ended early, empty when it completed.
     """
@@ -81,7 +82,10 @@ def run_model(
             done = _run_analysis(model_file, model, analysis, earlier, place, progress)
             finished.append(done)
             _write_text(place / MODEL, model_file.text(), done)
-            done.files.extend(write_outputs(model_file, analysis, done.computed, place, pictures, say))
+            if isinstance(done.computed, StateSpace):
+                done.files.extend(write_linear_outputs(model_file, done.computed, model, place, pictures))
+            else:
+                done.files.extend(write_outputs(model_file, analysis, done.computed, place, pictures, say))
             _raise_failure(done, place)
     return finished
 
@@ -117,7 +121,7 @@ def _run_analysis(
         if writer is not None:
             writer.discard()
         raise
-    failure = "" if isinstance(computed, Shapes) or computed.outcome.completed else str(computed.outcome)
+    failure = str(computed.outcome) if isinstance(computed, Result) and not computed.outcome.completed else ""
     return Finished(analysis, computed, files, failure)
 
 

@@ -1,0 +1,1 @@
+"""Linear models for control: the equations about a steady state, from named inputs to named outputs."""

@@ -1,0 +1,140 @@
+"""Controllers in the loop against exact sampled systems, their laws, and what is told when one goes wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from linear_systems import cantilever, system_of
+from scipy.signal import cont2discrete
+
+import lamella as lm
+from lamella.errors import DeclarationError, ModelError
+
+MASS, PERIOD, END = 2.0, 0.05, 1.0
+STEPS = lm.GeneralizedAlpha(dt=0.02, newton=lm.Newton(tolerance=1e-12))  # no divisor of the period
+
+
+def sledge(law, measures=("sledge.position.x",), start=0.0, **more):
+    """A free body pushed along x by a force of 1 N times the output."""
+    body = lm.RigidBody("sledge", mass=MASS, inertia=(1, 1, 1), position=(start, 0, 0))
+    push = lm.PointForce("push", body.origin, (1.0, 0, 0))
+    return system_of(body, push, lm.Controller("pilot", measures, ("push",), law, PERIOD, **more))
+
+
+def sampled(law, start, read=lambda x, v: [x]):
+    """The sampled double integrator: x and u at the sample times."""
+    x, v, state, rows = start, 0.0, law.initial, []
+    for k in range(round(END / PERIOD) + 1):
+        u, state = law.sample(k * PERIOD, np.array(read(x, v)), state, PERIOD)
+        rows.append((x, float(u[0])))
+        x, v = x + PERIOD * v + 0.5 * PERIOD**2 * u[0] / MASS, v + PERIOD * u[0] / MASS
+    return np.array(rows)
+
+
+PD = lm.PID(proportional=30.0, integral=8.0, derivative=12.0, reference=lm.Ramp(t_end=0.3, end=0.5))
+FUNCTION = lm.FunctionLaw(lambda t, y, x: (-20.0 * y[0] - 4.0 * x[0], np.array([0.5 * x[0] + y[0]])), start=(0.0,))
+FILTER = lm.StateSpaceLaw(A=((0.5,),), B=((1.0,),), C=((-4.0,),), D=((-20.0,),))
+LIMITED = lm.PID(proportional=100.0, integral=50.0, limit=3.0)
+
+
+@pytest.mark.parametrize("law", [PD, FUNCTION, FILTER, LIMITED], ids=["pid", "function", "state space", "limited"])
+def test_a_free_body_moves_as_the_sampled_double_integrator(law):
+    """A force that is held gives a constant acceleration, for which generalised-alpha is exact."""
+    run = lm.simulate(sledge(law, start=0.2), END, STEPS)
+    expected = sampled(law, 0.2)
+    x, u = run["sledge.position"].values[:, 0], run["pilot.output"].values
+    for k, (place, output) in enumerate(expected[:-1]):
+        both = np.flatnonzero(np.abs(run.at - k * PERIOD) < 1e-9)
+        np.testing.assert_allclose(x[both], place, rtol=1e-9, atol=1e-11)
+        assert u[both[-1]] == pytest.approx(output, rel=1e-8, abs=1e-9)
+        assert len(both) == 2  # before the jump and behind it
+    if law is not LIMITED:
+        assert run["energy.balance"].values[-1] == pytest.approx(0.0, abs=1e-9)  # the jumps of the force do no work
+    else:
+        assert np.abs(u).max() == 3.0
+
+
+def test_function_and_state_space_of_one_law_agree():
+    runs = [lm.simulate(sledge(law, start=0.2), END, STEPS) for law in (FUNCTION, FILTER)]
+    np.testing.assert_allclose(runs[0]["pilot.state"].values, runs[1]["pilot.state"].values, atol=1e-12)
+
+
+def test_a_second_run_begins_anew():
+    model = sledge(PD).compile()
+    first, second = (lm.simulate(model, 0.3, STEPS) for _ in range(2))
+    np.testing.assert_array_equal(first["pilot.state"].values, second["pilot.state"].values)
+
+
+def test_a_plate_is_damped_as_its_linear_model_foretells():
+    """Feedback of the tip's velocity, sampled 70 times in the first period."""
+    period, gain = 2e-3, 1.5
+    plain = cantilever(load=1.0, damping=3e-4)
+    law = lm.FunctionLaw(lambda t, y: 0.02 - gain * y[0])
+    system = system_of(*plain.declarations, lm.Controller("brake", ("tip.velocity.z",), ("load",), law, period))
+    # in the loop, the load is off in the linear model's steady state: both give the open loop
+    open_loop = lm.linearise(system, ("load",), ("tip.position.z", "tip.velocity.z"))
+    model = open_loop.state_space(6)
+    expected = lm.linearise(cantilever(damping=3e-4), ("load",), ("tip.position.z",)).state_space(6)
+    np.testing.assert_allclose(np.abs(model.poles()), np.abs(expected.poles()), rtol=1e-9)
+    run = lm.simulate(system, 0.3, lm.GeneralizedAlpha(dt=4e-4, rho_inf=0.95))
+    A, B, C, *_ = cont2discrete((model.A, model.B, model.C, model.D), period)
+    x, z = np.zeros(len(A)), []
+    for _ in range(150):
+        y = C @ x
+        z.append(y[0])
+        x = A @ x + B[:, 0] * (0.02 - gain * y[1])
+    t = period * np.arange(150)
+    found = np.interp(t, run.at, run["tip.position"].values[:, 2])
+    # as the step without a loop: phase of the time steps, and modes that they do not resolve
+    assert np.abs(found - z).max() < 1e-2 * np.abs(z).max()
+    assert np.abs(z[-40:] - np.mean(z[-40:])).max() < 0.2 * np.max(z)  # it is a brake
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        (lm.FunctionLaw(lambda t, y: 1.0 / 0.0 if t > 0.1 else 0.0), r"'pilot' at t = 0.15 s: its law raised ZeroDivisionError"),
+        (lm.FunctionLaw(lambda t, y: np.nan), r"at t = 0 s: its law gave the outputs \[nan\]; accepted are 1 finite numbers"),
+        (lm.FunctionLaw(lambda t, y: [1.0, 2.0]), r"gave the outputs \[1. 2.\]; accepted are 1 finite"),
+        (lm.FunctionLaw(lambda t, y, x: (0.0, [1.0, 2.0]), start=(0.0,)), r"gave the states \[1. 2.\]; accepted are 1 finite"),
+        (lm.FunctionLaw(lambda t, y, x: 0.0, start=(0.0,)), r"a law with a state gives the pair"),
+        (lm.FunctionLaw(lambda t, y: "much"), "its law raised ValueError: could not convert"),
+    ],
+)
+def test_a_law_that_goes_wrong_is_told_with_its_time(law, said):
+    with pytest.raises(ModelError, match=said):
+        lm.simulate(sledge(law), END, STEPS)
+
+
+def test_a_pid_takes_one_value():
+    with pytest.raises(ModelError, match="a PID takes one measured value, 2 are given"):
+        lm.simulate(sledge(PD, measures=("sledge.position.x", "sledge.velocity.x")), END, STEPS)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"measures": ("sledge.place.x",)}, r"there is no single value 'sledge.place.x'; accepted are .*sledge\.position\.x"),
+        ({"measures": ("sledge.position",)}, "there is no single value 'sledge.position'"),
+        ({"on": ("pull",)}, "there is no load 'pull'; there are: push"),
+        ({"period": 0.0}, "period"),
+    ],
+)
+def test_wrong_names_are_told(change, said):
+    body = lm.RigidBody("sledge", mass=MASS, inertia=(1, 1, 1))
+    push = lm.PointForce("push", body.origin, (1.0, 0, 0))
+    arguments = {"measures": ("sledge.position.x",), "on": ("push",), "law": PD, "period": PERIOD} | change
+    with pytest.raises(DeclarationError, match=said):
+        lm.simulate(system_of(body, push, lm.Controller("pilot", **arguments)), END, STEPS)
+
+
+def test_two_controllers_cannot_drive_one_load():
+    system = sledge(PD)
+    system.add(lm.Controller("second", ("sledge.position.x",), ("push",), PD, 0.1))
+    with pytest.raises(DeclarationError, match="another controller drives 'push'"):
+        system.compile()
+
+
+def test_matrices_that_do_not_fit_are_refused():
+    with pytest.raises(DeclarationError, match=r"accepted are A \(n, n\), B \(n, p\)"):
+        lm.StateSpaceLaw(A=((0.5,),), B=((1.0, 2.0),), C=((-4.0,),), D=((-20.0,),))
