@@ -5,7 +5,7 @@ VENV    ?= .venv
 EXAMPLE ?= cantilever-plate
 WORKERS ?= 2
 BIN     := $(VENV)/bin
-SOURCES := src tests tools benchmarks verification examples
+SOURCES := src tests tools verification examples
 PRESENT  = $(wildcard $(SOURCES))
 
 .DEFAULT_GOAL := help
@@ -43,8 +43,8 @@ verify: $(VENV)/.ready-viz+test  ## the whole verification and the slow tests (n
 	$(BIN)/lamella verify
 	$(BIN)/python -m pytest -m slow
 
-bench: $(VENV)/.ready-bench  ## time the kernels and whole runs, beside Exudyn
-	@for file in benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
+bench: $(VENV)/.ready-bench  ## time lamella and other codes on the same cases, into results/bench
+	@$(BIN)/lamella bench
 
 docs: $(VENV)/.ready-docs  ## build the pages of docs/ into build/docs
 	$(BIN)/mkdocs build --quiet --strict --site-dir build/docs

@@ -44,7 +44,7 @@ analysis:
   swing: {type: motion, t_end: 20 ms, integrator: {dt: 1 ms}}
 output: {frames: 4, signals: [pin.force, pin.torque, pin.force_local, bob.rotation]}
 """
-COMMANDS = ("run", "new", "examples", "info", "verify", "plot", "export", "doctor", "schema")
+COMMANDS = ("run", "new", "examples", "info", "verify", "bench", "plot", "export", "doctor", "schema")
 
 
 @pytest.mark.parametrize("words", [[], *([command] for command in COMMANDS), ["examples", "list"], ["examples", "copy"]])

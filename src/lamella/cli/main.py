@@ -166,6 +166,24 @@ def verify(
 
 
 @app.command()
+def bench(
+    cases: Annotated[
+        list[str] | None, typer.Argument(help="Names of benchmarks; all when left out.", metavar="[CASE]...")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder of the tables and pictures.")] = Path("results/bench"),
+    runs: Annotated[int, typer.Option("--runs", min=1, help="Repetitions; the table has the median.")] = 3,
+    list_all: Annotated[bool, typer.Option("--list", help="List the benchmarks; nothing is run.")] = False,
+) -> None:
+    """Time lamella and the other codes that are installed on the same cases, on one core."""
+    from lamella.cli.bench import bench_command, list_benchmarks
+
+    if list_all:
+        list_benchmarks()
+    else:
+        bench_command(cases or [], out, runs)
+
+
+@app.command()
 def plot(
     result: Annotated[Path, typer.Argument(help="A result file, or a folder with run.h5.")],
     signals: Annotated[

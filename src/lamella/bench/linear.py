@@ -1,21 +1,21 @@
-"""Time of the linear solvers on plate-like matrices: numeric factorisation and one solution, milliseconds, best of many.
-
-Run ``python benchmarks/linear.py``; set OMP_NUM_THREADS=1 to compare single threads (the LAPACK behind SciPy uses all cores).
-"""
+"""The linear solvers on matrices like those of plates: numeric factorisation and one solution."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
+from lamella.bench.clock import best
+from lamella.bench.row import Row
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.pardiso import library
 
-GRIDS = {"7x7 nodes": (7, 7), "belt 41x2 nodes": (2, 41), "13x13 nodes": (13, 13), "25x25 nodes": (25, 25)}
+CASE = "linear"
+GRIDS = {"7 x 7 nodes": (7, 7), "2 x 41 nodes": (2, 41), "13 x 13 nodes": (13, 13), "25 x 25 nodes": (25, 25)}
 METHODS: tuple[Method, ...] = ("multifrontal", "band", "superlu", *(() if library() is None else ("pardiso",)))
 
 
@@ -34,31 +34,17 @@ def plate_like(nx: int, ny: int) -> tuple[Pattern, Floats]:
     return pattern, np.bincount(place, weights=values[upper]).astype(np.float64)
 
 
-def best(call: Callable[[], object], seconds: float = 1.0) -> float:
-    """Shortest time of a call [ms], repeated for about ``seconds`` and at least three times."""
-    times: list[float] = []
-    while len(times) < 3 or sum(times) < seconds:
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return 1e3 * min(times)
-
-
-def main() -> None:
+def run(runs: int) -> Iterator[Row]:
+    """Each solver on each grid; the shortest of many calls, ``runs`` times as long. Ratios are to the multifrontal one."""
     none = np.zeros(0)
-    print(f"{'matrix':18}{'n':>6}  {'solver':14}{'set-up':>9}{'factorise':>11}{'solve':>8}   [ms]")
     for name, (nx, ny) in GRIDS.items():
         pattern, k = plate_like(nx, ny)
-        r = np.ones(pattern.n)
+        right, rows = np.ones(pattern.n), {}
         for method in METHODS:
-            linear_solver(pattern, method).factorise(k, none)  # compiled from here on
-            start = time.perf_counter()
             solver = linear_solver(pattern, method)
-            setup = 1e3 * (time.perf_counter() - start)
-            factorise = best(lambda s=solver, k=k: s.factorise(k, none))
-            solve = best(lambda s=solver, r=r: s.solve(r, none), 0.3)
-            print(f"{name:18}{pattern.n:6d}  {method:14}{setup:9.1f}{factorise:11.3f}{solve:8.3f}")
-
-
-if __name__ == "__main__":
-    main()
+            solver.factorise(k, none)  # compiles what is not in the cache
+            calls = {"factorise": partial(solver.factorise, k, none), "solve": partial(solver.solve, right, none)}
+            for what, call in calls.items():
+                work = f"{name}, {pattern.n} unknowns: {what}"
+                row = Row(case=CASE, code=f"lamella, {method}", what=work, time=best(call, 0.05 * runs) * 1e3, unit="ms")
+                yield row.beside(rows.setdefault(what, row))
