@@ -45,7 +45,7 @@ def study(model: Path, count: int) -> lm.ParameterStudy:
 
 
 def run(runs: int) -> Iterator[Row]:
-    """Elapsed time of all runs here over the number of workers; and of the study, with the start of its workers and all writing."""
+    """Elapsed time of all runs here, over the number of workers; and of the study, with start of its workers and writing."""
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder) / "strip.yaml"
         model.write_text(MODEL, "utf-8")
