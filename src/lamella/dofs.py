@@ -99,8 +99,7 @@ class Signal:
         unit: for example ``m``.
         labels: names of the components, empty for a scalar.
         evaluate: gives the value from a state, shape (len(labels),) or scalar.
-        description: a short sentence for the result file.
-        cumulative: whether it is summed over all states and must see those that are not recorded as well.
+        description, cumulative: a sentence for the result file; whether it is a sum over all states, those not recorded as well.
     """
 
     name: str

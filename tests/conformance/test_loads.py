@@ -54,6 +54,7 @@ LOADS = {
 
 # springs, stops and latches in test_springs.py, events in test_events.py, forces written in Python in test_user_force.py
 TESTED_APART = {"SpringDamper", "TorsionSpring", "SlideSpring", "EndStop", "Latch", "Event", "SteadySpin", "UserForce"}
+TESTED_APART.add("Controller")
 
 
 class Case:

@@ -39,7 +39,7 @@ def roof(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("override", "said"),
     [
-        ("surface={kind: tube, length: 1}", "there is no kind 'tube'; accepted are points, cylinder, belt"),
+        ("surface={kind: tube, length: 1}", "there is no kind 'tube'; accepted are points, pulleys, cylinder, belt"),
         ("markers.crown=[0.26, 0]", "marker 'crown' lies outside the shell at x = 0.26 m"),
         ("surface={kind: cylinder, radius: 1, length: 1, angle: [0, 6], closed: true}", "its ends do not meet: the angle spans"),
         ("surface={kind: points, " + CORNER + "}", "the surface folds: its normal turns over at x = "),

@@ -5,18 +5,21 @@ from __future__ import annotations
 import csv
 import json
 import math
+import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Command
 
 from lamella.bench import calculix, static
 from lamella.bench.clock import ONE_THREAD, a_step, median
 from lamella.bench.peers import CALCULIX, EXUDYN
 from lamella.bench.row import Row, beside_first
 from lamella.bench.table import markdown
+
+Command = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture(autouse=True)
