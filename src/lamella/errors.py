@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Collection
+
+
+def no_such(kind: str, name: str, known: Collection[str]) -> str:
+    """The sentences about a name that is none of those ``known``: what was perhaps meant, and what there is."""
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f"; did you mean '{near[0]}'?" if near else "."
+    return f"there is no {kind} '{name}'{hint} There are: {', '.join(known) or 'none'}"
+
 
 class LamellaError(Exception):
     """Base of all errors raised on purpose; the command line prints its message and exits with code 2."""

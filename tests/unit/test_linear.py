@@ -211,6 +211,32 @@ def test_inaccurate_pivots_are_not_used() -> None:
     assert solver.n_general == 1
 
 
+@pytest.mark.parametrize("method", ["multifrontal", "auto"])
+def test_free_coordinate_of_an_unsymmetric_matrix_is_named(method: Method) -> None:
+    """Behind a group of constraints whose coordinates lie far apart, so that motions and coordinates have different numbers."""
+    k = plate_like(3, 4)
+    k *= 1 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
+    n, free = len(k), 50
+    k[free], k[:, free] = 0.0, 0.0
+    j = np.zeros((2, n))
+    j[0, [2, n - 1]], j[1, [3, 4, n - 1]] = 1.0, 1.0
+    pattern, k_values, j_values = pattern_of(k, j, symmetric=False)
+    with pytest.raises(SingularSystemError) as raised:
+        linear_solver(pattern, method).factorise(k_values, j_values)
+    assert raised.value.index == free
+
+
+def test_inaccurate_pivots_of_an_unsymmetric_matrix_are_not_used() -> None:
+    """A regular matrix that needs an exchange of rows: refused by fronts, taken by the general solver."""
+    k = np.array([[1e-13, 1.0, 0.0], [0.9, 1e-13, 1.0], [0.0, 1.0, 3.0]])
+    solver = check(k, None, "auto", symmetric=False)
+    assert isinstance(solver, AutomaticSolver)
+    assert solver.n_general == 1
+    pattern, values, none = pattern_of(k, None, symmetric=False)
+    with pytest.raises(SingularSystemError, match="no usable pivot"):
+        linear_solver(pattern, "multifrontal").factorise(values, none)
+
+
 @pytest.mark.parametrize("method", DEFINITE_METHODS)
 def test_free_coordinate_is_named(method: Method) -> None:
     k = plate_like(3, 3)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from lamella.bench import array, contact, kernels, linear, motion, parameter_study, static
 from lamella.bench.row import Row
-from lamella.errors import ModelError
+from lamella.errors import ModelError, no_such
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,5 @@ def find_cases(names: Sequence[str]) -> dict[str, Case]:
     chosen = [name.replace("_", "-") for name in names]
     for name in chosen:
         if name not in CASES:
-            near = difflib.get_close_matches(name, CASES, 1)
-            hint = f"; did you mean '{near[0]}'?" if near else "."
-            raise ModelError(f"there is no benchmark '{name}'{hint} There are: {', '.join(CASES)}")
+            raise ModelError(no_such("benchmark", name, CASES))
     return {name: CASES[name] for name in chosen} if chosen else dict(CASES)

@@ -174,7 +174,7 @@ class ContactBlock(ForceBlock):
             if seen.q is q and seen.v is v and seen.unchanged():
                 return seen.force, seen.totals
         f = np.empty(len(self.f_coords))
-        self._evaluate(q, v, f, self._no_field, moving=True)
+        self._evaluate(q, v, f, self._no_field, moving=self.depends_on_velocity)
         self._recent = [_Seen(q, v, q.copy(), v.copy(), f, self._totals.copy()), *self._recent[:1]]
         return f, self._recent[0].totals
 

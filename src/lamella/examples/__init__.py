@@ -12,7 +12,6 @@ Folder names have ``_`` where the example's name has ``-``; folders that begin w
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import re
 import shutil
@@ -21,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lamella.errors import ModelError, ModelFileError, ResultFileError
+from lamella.errors import ModelError, ModelFileError, ResultFileError, no_such
 
 if TYPE_CHECKING:
     from lamella.study.findings import Finding
@@ -89,9 +88,7 @@ def example(name: str) -> Example:
     known = examples()
     name = name.replace("_", "-")
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1)
-        hint = f"; did you mean '{near[0]}'?" if near else "."
-        raise ModelError(f"there is no example '{name}'{hint} There are: {', '.join(known) or 'none'}")
+        raise ModelError(no_such("example", name, known))
     return known[name]
 
 

@@ -68,19 +68,24 @@ class NullSpaceSolver(LinearSolver):
         self._map.reduce(k, self._k)
         free = self._lu.factorise(self._k)
         if free < 0:
-            error = self._backward_error()
+            error, worst = self._backward_error()
             self._refine = error > REFINE_ABOVE
             self._usable = error <= BACKWARD_ERROR_LIMIT
-            free = -1 if self._usable else 0
+            free = -1 if self._usable else worst
         return -1 if free < 0 else self._map.coordinate_of(free)
 
-    def _backward_error(self) -> float:
-        """Largest |A z - b| / (|z| + |b|) of a known system, scaled to a diagonal of 1; infinite when the matrix is singular."""
+    def _backward_error(self) -> tuple[float, int]:
+        """Largest |A z - b| / (|z| + |b|) of a known system, scaled to a diagonal of 1, and where it is.
+
+        It is infinite when the matrix is singular; then the motion is told in which z is largest.
+        """
         scale = np.sqrt(np.maximum(np.abs(self._map.reduced.diagonal(self._k)), np.finfo(float).tiny))
         b = self._probe * scale
         x = self._lu.solve(b)
-        error, norm = np.abs(self._residual(b, x) / scale).max(initial=0.0), np.abs(x * scale).max(initial=0.0)
-        return float(error / (norm + 1.0)) if norm < CONDITION_LIMIT else np.inf
+        error, size = np.abs(self._residual(b, x) / scale), np.abs(x * scale)
+        if not size.max(initial=0.0) < CONDITION_LIMIT:
+            return np.inf, int(np.argmax(size))
+        return float(error.max(initial=0.0) / (size.max(initial=0.0) + 1.0)), int(np.argmax(error))
 
     def _residual(self, b: Floats, x: Floats) -> Floats:
         """b - N^T K N x."""

@@ -99,6 +99,7 @@ class Reduction:
         width = np.ones(pattern.n, np.int64)
         for group in groups:
             width[group.coords] = group.n_motion
+        self._moves = width > 0
         self.reduced = _reduced(rows, cols, number, width, self._n)
         slot = _lookup(self.reduced.rows, self.reduced.indices, np.arange(len(self.reduced.indices)), self._n)
         free = (owner[rows] < 0) & (owner[cols] < 0)
@@ -155,8 +156,9 @@ class Reduction:
         self._mixed = np.column_stack([moving, places, stride, at[rows], width[rows], at[cols], width[cols]])
 
     def coordinate_of(self, motion: int) -> int:
-        """A coordinate that moves in the motion of this number."""
-        return int(np.flatnonzero(self._numbers <= motion)[-1])
+        """A coordinate that moves in the motion of this number: the first of a group, or the one that is the motion itself."""
+        last = np.max(self._numbers[self._moves & (self._numbers <= motion)])
+        return int(np.flatnonzero(self._moves & (self._numbers == last))[0])
 
     def reduce(self, k: Floats, out: Floats) -> None:
         """Values of N^T K N in the order of the pattern ``reduced``; what :meth:`forces_on_groups` needs of K is kept."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 
-from lamella.errors import ModelError
+from lamella.errors import ModelError, no_such
 
 FOLDER = Path(__file__).parent
 
@@ -27,7 +26,5 @@ def template(name: str) -> str:
     """
     known = templates()
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1)
-        hint = f"; did you mean '{near[0]}'?" if near else "."
-        raise ModelError(f"there is no template '{name}'{hint} There are: {', '.join(known)}")
+        raise ModelError(no_such("template", name, known))
     return (FOLDER / f"{name}.yaml").read_text(encoding="utf-8")

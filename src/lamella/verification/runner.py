@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import time
 import traceback
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lamella.errors import DeclarationError, ModelError
+from lamella.errors import DeclarationError, ModelError, no_such
 from lamella.verification.check import Check
 from lamella.verification.picture import Picture
 
@@ -101,9 +100,7 @@ def find_cases(names: Sequence[str] = (), folder: Path = FOLDER, package: str = 
     chosen = [name.replace("_", "-") for name in names]
     for name in chosen:
         if name not in cases:
-            near = difflib.get_close_matches(name, cases, 1)
-            hint = f"; did you mean '{near[0]}'?" if near else "."
-            raise ModelError(f"there is no verification case '{name}'{hint} There are: {', '.join(cases) or 'none'}")
+            raise ModelError(no_such("verification case", name, cases))
     return [cases[name] for name in chosen] if chosen else list(cases.values())
 
 
