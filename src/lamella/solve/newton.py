@@ -166,7 +166,9 @@ class NewtonSolver:
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
-            untried = not isfinite(last) and self.options.keep > 0.0  # its contraction shows at the next correction
+            # Of contact a tangent costs as much as several iterations: it is tried once more before it is given up. A plate far
+            # from its solution diverges on it.
+            untried = not isfinite(last) and self.options.keep > 0.0 and self.options.line_search == "residual"
             if fresh and not untried and not self._promising(size, contraction, goal):
                 self.forget()
             last = size
