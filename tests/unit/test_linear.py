@@ -329,9 +329,9 @@ def test_pattern_refuses_the_lower_triangle() -> None:
 
 
 def test_auto_takes_large_unsymmetric_and_saddle_matrices() -> None:
-    """Sizes at which PARDISO is used when it is installed."""
+    """Sizes at which PARDISO is used when it is installed; 120 constraints that hang together have no short null space."""
     k = plate_like(5, 6)
-    check(k, constraints(len(k), 120), "auto")
+    assert not isinstance(check(k, constraints(len(k), 120), "auto"), AutomaticSolver)
     check(k * (1 + 0.1 * np.random.default_rng(8).standard_normal(k.shape)), None, "auto", symmetric=False)
 
 

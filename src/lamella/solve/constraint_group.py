@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy import sparse
 from scipy.linalg import get_lapack_funcs
@@ -77,3 +79,16 @@ def groups_of(pattern: Pattern) -> list[Group]:
         Group(np.flatnonzero(label[:n_lam] == number), np.flatnonzero(label[n_lam:] == number), pattern)
         for number in np.unique(label[:n_lam])
     ]
+
+
+def reduction_cost(pattern: Pattern, groups: Sequence[Group]) -> float:
+    """Operations of one decomposition of J and of N^T K N, an entry of K at a time.
+
+    Within a group of m coordinates and l constraints N is full: its orthogonal factors take about 4 m^2 l, and an entry between
+    groups of w and w' motions w w'.
+    """
+    width = np.ones(pattern.n)
+    for group in groups:
+        width[group.coords] = group.n_motion
+    entries = float(width[pattern.rows] @ width[np.asarray(pattern.indices, np.int64)])
+    return entries + sum(4.0 * len(group.coords) ** 2 * len(group.rows) for group in groups)

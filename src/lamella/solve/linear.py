@@ -9,6 +9,7 @@ from lamella.errors import ModelError
 from lamella.roles import Floats
 from lamella.solve.band import BandCholesky
 from lamella.solve.base import LinearSolver
+from lamella.solve.constraint_group import groups_of, reduction_cost
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.null_space import NullSpaceSolver
 from lamella.solve.pardiso import PardisoSolver, library
@@ -22,6 +23,9 @@ PARDISO_FROM = 300
 
 LU_COST = 2.0
 """Time of a factorisation L U on the null space of the constraints, in symmetric ones of K by fronts."""
+
+REDUCTION_COST = 2e4
+"""Operations per unknown that finding the null space of the constraints may take; a general factorisation takes some 10 us."""
 
 
 class AutomaticSolver(LinearSolver):
@@ -97,14 +101,21 @@ def linear_solver(pattern: Pattern, method: Method = "auto") -> LinearSolver:
         return SchurSolver(BandCholesky(pattern))
     if pattern.n <= pattern.n_lam:
         return general_solver(pattern)
-    fixed = _on_diagonal(pattern)
-    return AutomaticSolver(fixed) if method == "auto" else fixed
+    if method == "multifrontal":
+        return _few_multipliers(pattern) or NullSpaceSolver(pattern)
+    fixed = _few_multipliers(pattern) or _short_null_space(pattern)
+    return AutomaticSolver(fixed) if fixed else general_solver(pattern)
 
 
-def _on_diagonal(pattern: Pattern) -> SchurSolver | NullSpaceSolver:
-    """The faster solver with pivots on the diagonal; with many multipliers their Schur complement costs too much."""
-    if pattern.symmetric:
-        factor = Multifrontal(pattern)
-        if 2.0 * pattern.n_lam * factor.size <= LU_COST * factor.cost:
-            return SchurSolver(factor)
-    return NullSpaceSolver(pattern)
+def _few_multipliers(pattern: Pattern) -> SchurSolver | None:
+    """The solver for symmetric matrices, unless their many multipliers make the Schur complement cost too much."""
+    if not pattern.symmetric:
+        return None
+    factor = Multifrontal(pattern)
+    return SchurSolver(factor) if 2.0 * pattern.n_lam * factor.size <= LU_COST * factor.cost else None
+
+
+def _short_null_space(pattern: Pattern) -> NullSpaceSolver | None:
+    """The solver on the null space, unless constraints hang together in such numbers that the null space costs too much."""
+    cost = reduction_cost(pattern, groups_of(pattern))
+    return NullSpaceSolver(pattern) if cost <= REDUCTION_COST * (pattern.n + pattern.n_lam) else None
