@@ -55,6 +55,8 @@ def lamella(tmp_path: Path, environment: dict[str, str]) -> Command:
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
     """Call ``lamella`` with some words in an empty folder, in this process."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LAMELLA_RENDERER", "matplotlib")
+    monkeypatch.setenv("COLUMNS", "100")
 
     def call(*words: str | Path) -> subprocess.CompletedProcess[str]:
         capsys.readouterr()

@@ -113,9 +113,9 @@ def test_a_start_that_had_to_be_changed_and_events_are_told(here, tmp_path: Path
     assert event in said
 
 
-def test_several_analyses_have_folders_of_their_own(lamella, tmp_path: Path) -> None:
-    assert lamella("new", "bent", "--template", "statics").returncode == 0
-    done = lamella("run", "bent.yaml", "--out", "out", "--no-pictures", "--quiet")
+def test_several_analyses_have_folders_of_their_own(here, tmp_path: Path) -> None:
+    assert here("new", "bent", "--template", "statics").returncode == 0
+    done = here("run", "bent.yaml", "--out", "out", "--no-pictures", "--quiet")
     assert done.returncode == 0, done.stderr
     assert done.stdout == done.stderr == ""
     assert (tmp_path / "out/still/run.h5").is_file()
@@ -126,15 +126,15 @@ def test_several_analyses_have_folders_of_their_own(lamella, tmp_path: Path) -> 
     assert not list(tmp_path.rglob("*.png"))
 
 
-def test_a_second_run_does_not_replace_results_unasked(lamella, model: Path, tmp_path: Path) -> None:
-    assert lamella("run", model, "--out", "out", "--no-pictures").returncode == 0
+def test_a_second_run_does_not_replace_results_unasked(here, model: Path, tmp_path: Path) -> None:
+    assert here("run", model, "--out", "out", "--no-pictures").returncode == 0
     (tmp_path / "out/notes.txt").write_text("mine")
     before = (tmp_path / "out/run.h5").stat().st_mtime_ns
-    done = lamella("run", model, "--out", "out", "--no-pictures")
+    done = here("run", model, "--out", "out", "--no-pictures")
     assert done.returncode == 2
     assert "'out' holds results already; give --overwrite" in done.stderr
     assert (tmp_path / "out/run.h5").stat().st_mtime_ns == before
-    assert lamella("run", model, "--out", "out", "--no-pictures", "--overwrite").returncode == 0
+    assert here("run", model, "--out", "out", "--no-pictures", "--overwrite").returncode == 0
     assert (tmp_path / "out/run.h5").stat().st_mtime_ns != before
     assert (tmp_path / "out/notes.txt").read_text() == "mine"
 
@@ -170,45 +170,45 @@ def _samples(path: Path) -> int:
         return 0
 
 
-def test_new_writes_a_file_that_runs_and_a_schema(lamella, tmp_path: Path) -> None:
-    assert "cantilever" in lamella("new", "--list").stdout
-    done = lamella("new", "wing")
+def test_new_writes_a_file_that_runs_and_a_schema(here, tmp_path: Path) -> None:
+    assert "cantilever" in here("new", "--list").stdout
+    done = here("new", "wing")
     assert done.returncode == 0
     text = (tmp_path / "wing.yaml").read_text()
     assert text.startswith("# yaml-language-server: $schema=lamella.schema.json\n")
-    assert json.loads((tmp_path / "lamella.schema.json").read_text()) == json.loads(lamella("schema").stdout)
-    assert lamella("info", "wing.yaml").returncode == 0
-    again = lamella("new", "wing")
+    assert json.loads((tmp_path / "lamella.schema.json").read_text()) == json.loads(here("schema").stdout)
+    assert here("info", "wing.yaml").returncode == 0
+    again = here("new", "wing")
     assert again.returncode == 2
     assert "'wing.yaml' exists already" in again.stderr
-    assert "did you mean 'cantilever'" in lamella("new", "x", "--template", "cantilver").stderr
+    assert "did you mean 'cantilever'" in here("new", "x", "--template", "cantilver").stderr
 
 
-def test_result_can_be_looked_at_plotted_and_exported(lamella, model: Path, tmp_path: Path) -> None:
-    assert lamella("run", model, "--out", "out", "--no-pictures").returncode == 0
-    shown = lamella("info", "out").stdout
+def test_result_can_be_looked_at_plotted_and_exported(here, model: Path, tmp_path: Path) -> None:
+    assert here("run", model, "--out", "out", "--no-pictures").returncode == 0
+    shown = here("info", "out").stdout
     assert "completed at 0.02; 21 samples over time" in shown
     assert "tip.position.z" in shown
     assert "point_force" in shown
-    assert lamella("plot", "out", "tip.position.z", "--out", "tip.svg").returncode == 0
+    assert here("plot", "out", "tip.position.z", "--out", "tip.svg").returncode == 0
     assert (tmp_path / "tip.svg").read_text().lstrip().startswith("<?xml")
     (tmp_path / "out/signals.csv").unlink()
     for form, name in {"vtkhdf": "surface.vtkhdf", "csv": "signals.csv", "yaml": "model.yaml", "html": "report.html"}.items():
-        done = lamella("export", "out", "--to", form)
+        done = here("export", "out", "--to", form)
         assert done.returncode == 0, done.stderr
         assert name in done.stdout
         assert (tmp_path / "out" / name).is_file()
-    wrong = lamella("export", "out", "--to", "vtkhfd")
+    wrong = here("export", "out", "--to", "vtkhfd")
     assert wrong.returncode == 2
     assert "did you mean 'vtkhdf'" in wrong.stderr
-    missing = lamella("plot", "out", "tip.positon")
+    missing = here("plot", "out", "tip.positon")
     assert missing.returncode == 2
     assert "tip.positon" in missing.stderr
 
 
-def test_multibody_template_runs_and_its_bodies_are_shown(lamella, tmp_path: Path) -> None:
-    assert lamella("new", "swing", "--template", "multibody").returncode == 0
-    done = lamella("run", "swing.yaml", "--out", "out", "--set", "analysis.swing.t_end=0.05 s", "--set", "output.frames=4")
+def test_multibody_template_runs_and_its_bodies_are_shown(here, tmp_path: Path) -> None:
+    assert here("new", "swing", "--template", "multibody").returncode == 0
+    done = here("run", "swing.yaml", "--out", "out", "--set", "analysis.swing.t_end=0.05 s", "--set", "output.frames=4")
     assert done.returncode == 0, done.stderr
     result = read_result(tmp_path / "out/run.h5")
     angle = result.history("pin.angle").values
@@ -221,15 +221,15 @@ def test_multibody_template_runs_and_its_bodies_are_shown(lamella, tmp_path: Pat
     report = (tmp_path / "out/report.html").read_text()
     for words in ("Recorded signals", "rigid bodies", "degrees of freedom", "revolute_joint"):
         assert words in report
-    shown = lamella("info", "out").stdout
+    shown = here("info", "out").stdout
     assert "root.torque_local.z" in shown
     assert "plates 1, rigid bodies 1, joints and supports 2, loads 1, coordinates 264, " in shown
     assert "multipliers 6, degrees of freedom 217" in shown
 
 
-def test_system_without_plates_leaves_a_report_with_reactions(lamella, tmp_path: Path) -> None:
+def test_system_without_plates_leaves_a_report_with_reactions(here, tmp_path: Path) -> None:
     (tmp_path / "pendulum.yaml").write_text(PENDULUM)
-    done = lamella("run", "pendulum.yaml", "--out", "out")
+    done = here("run", "pendulum.yaml", "--out", "out")
     assert done.returncode == 0, done.stderr
     out = tmp_path / "out"
     files = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
@@ -241,23 +241,23 @@ def test_system_without_plates_leaves_a_report_with_reactions(lamella, tmp_path:
         "left out as redundant: x of the distance of the points of second (follows from x of the distance of the points of weld)"
     )
     assert left_out in report
-    assert left_out in lamella("info", "out").stdout
+    assert left_out in here("info", "out").stdout
     with (out / "signals.csv").open() as file:
         heading = next(csv.reader(file))
     assert {"pin.force_local.x [N]", "bob.rotation.zz [1]", "pin.angle [rad]"} <= set(heading)
     for form in ("png", "gif", "html", "vtkhdf"):
-        assert lamella("export", "out", "--to", form).returncode == 0
+        assert here("export", "out", "--to", form).returncode == 0
     bare = ["--set", "system.bob.shape=null", "--set", "system.bob.mass=1", "--set", "system.bob.inertia=[0.1, 0.1, 0.1]"]
-    done = lamella("run", "pendulum.yaml", "--out", "bare", *bare, "--set", "system.bob.density=null")
+    done = here("run", "pendulum.yaml", "--out", "bare", *bare, "--set", "system.bob.density=null")
     assert done.returncode == 0, done.stderr  # nothing to draw, and a report all the same
     files = {path.name for path in (tmp_path / "bare").rglob("*") if path.is_file()}
     assert files == {"run.h5", "model.yaml", "signals.csv", "signals.png", "energy.png", "report.html"}
 
 
-def test_verify_lists_runs_and_refuses_unknown_cases(lamella) -> None:
-    names = [entry["case"] for entry in json.loads(lamella("verify", "--list", "--json").stdout)]
+def test_verify_lists_runs_and_refuses_unknown_cases(here) -> None:
+    names = [entry["case"] for entry in json.loads(here("verify", "--list", "--json").stdout)]
     assert names
-    wrong = lamella("verify", "no-such-case")
+    wrong = here("verify", "no-such-case")
     assert wrong.returncode == 2
     for name in names:
         assert name in wrong.stderr
