@@ -95,3 +95,16 @@ def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floa
         _backward(c, a0, a_len, p, y)
         for i in range(p):
             x[first + i] = y[i]
+
+
+@njit
+def solve_coordinates(
+    fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, position: Ints, r: Floats, x: Floats, y: Floats, out: Floats
+) -> None:
+    """out <- (L S U)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""
+    x[:] = 0.0
+    for i in range(len(r)):
+        x[position[i]] = r[i]
+    solve(fronts, rows, a, c, signs, x, y)
+    for i in range(len(r)):
+        out[i] = x[position[i]]
