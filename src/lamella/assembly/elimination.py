@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy import sparse
@@ -15,6 +15,10 @@ from lamella.roles import Floats, Ints
 
 NEGLIGIBLE = 1e-10
 """Coefficients below this share of the row's largest one count as zero while rows are reduced."""
+COLUMNS = 64
+"""Right-hand sides solved for at once."""
+FEW = 12
+"""Rows for which a product is worth its numbers in any case."""
 
 
 class Elimination:
@@ -44,7 +48,7 @@ class Elimination:
         self.independent, self.T, self.G, self.C, self.kept, self.rows = independent, T, G, C, kept, rows
         self._constant = np.array([row.constant for row in rows])
         self._moving = [(k, row.motion) for k, row in enumerate(rows) if row.motion is not None]
-        self._gram, self._row_sum = linalg.splu(sparse.csc_array(C @ C.T)) if rows else None, SumOperator(C)
+        self._gram = linalg.splu(sparse.csc_array(C @ C.T)) if rows else None
 
     @property
     def moves(self) -> bool:
@@ -65,7 +69,25 @@ class Elimination:
 
     def row_forces(self, reaction: Floats) -> Floats:
         """Force of each row from the generalised reaction R = C^T mu (n_q,): mu solves C C^T mu = C R exactly."""
-        return self._gram.solve(self._row_sum(reaction)) if self._gram else np.zeros(0)
+        return self._gram.solve(self.C @ reaction) if self._gram else np.zeros(0)
+
+    def forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
+        """The function from R (n_q,) to the forces mu of some of the rows kept.
+
+        It is the product with their rows of (C C^T)^-1 C, found once, unless these hold more numbers than the factorisation.
+        """
+        if self._gram is None or not len(rows):
+            return lambda reaction: np.zeros(0)
+        gram, parts = self._gram, []
+        for first in range(0, len(rows), COLUMNS):
+            chosen = rows[first : first + COLUMNS]
+            units = np.zeros((len(self.rows), len(chosen)))
+            units[chosen, np.arange(len(chosen))] = 1.0
+            parts.append(sparse.csr_array(gram.solve(units).T) @ self.C)
+        found = sparse.csr_array(sparse.vstack(parts))
+        if found.nnz > gram.nnz + self.C.nnz and len(rows) > FEW:
+            return lambda reaction: self.row_forces(reaction)[rows]
+        return SumOperator(found)
 
     def _motion(self, t: float, derivative: str) -> Floats:
         values = np.zeros(len(self.rows))

@@ -254,17 +254,13 @@ class Equations:
         return f"nothing holds {what}: a body or mechanism can move freely; add a support"
 
     def state(self, point: Point) -> State:
-        """All coordinates, velocities, accelerations and the reactions of the eliminated constraints.
-
-        The reaction is M a + f + Phi_q^T lam in all coordinates, which vanishes but for the eliminated constraints.
-        """
+        """All coordinates, velocities, accelerations, multipliers and the reaction of the eliminated constraints."""
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
         reaction = self.forces(point.t, q, v) + point.factor * self.loads(point.t, q, v)
         if not point.at_rest:
             reaction += self._mass(a)
         self.constraints.add_force(point.t, q, point.lam, reaction)
-        mu = self.elimination.row_forces(reaction)
-        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), mu, point.factor)
+        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), reaction, point.factor)
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""

@@ -160,7 +160,7 @@ class _Probe:
         self.phi = ConstraintStack(model.constraints).phi_of_all(t, q)[equations.constraints.kept]
         rows = [model.rows[number] for number in equations.elimination.kept]
         self.held = np.array([row.constant + (row.motion.value(t) if row.motion is not None else 0.0) for row in rows])
-        plain = State(t, q, v, state.a, state.lam, state.mu, 1.0)
+        plain = State(t, q, v, state.a, state.lam, state.reaction, 1.0)
         self.signals = {s.name: np.atleast_1d(s.evaluate(plain)) for s in model.signals}
 
     def parts(self) -> tuple[Floats, ...]:
