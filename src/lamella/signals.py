@@ -202,8 +202,9 @@ def energy_signals(equations: Equations) -> list[Signal]:
     model, elimination = equations.model, equations.elimination
     damped = [block for block in model.forces if block.depends_on_velocity and not block.first_order]
     n = model.n_motion
-    moving = np.array([k for k, row in enumerate(elimination.rows) if row.motion and row.coords[0] < n], dtype=np.int64)
-    moves, forces_of = elimination.moves or equations.constraints.moves, elimination.forces_of(moving)
+    moves = elimination.moves or equations.constraints.moves
+    mechanical = np.array([elimination.rows[k].coords[0] < n for k in elimination.moving], dtype=float)
+    forces_of = elimination.forces_of(elimination.moving)
 
     def kinetic(state: State) -> float:
         return 0.5 * float(state.v @ equations.momentum(state.v))
@@ -230,8 +231,8 @@ def energy_signals(equations: Equations) -> list[Signal]:
     constraints = equations.constraints
     along_motions = WorkMeter(
         lambda s: (
-            np.concatenate([forces_of(s.reaction), -s.lam]),
-            np.concatenate([elimination.right_hand_side(s.t, s.factor)[moving], constraints.prescribed(s.t)]),
+            np.concatenate([mechanical * forces_of(s.reaction), -s.lam]),
+            np.concatenate([s.factor * elimination.motions(s.t), constraints.prescribed(s.t)]),
         )
     )
     actuators = ActuatorMeter([block for block in model.forces if block.varies], n)

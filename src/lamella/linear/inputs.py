@@ -185,7 +185,7 @@ def _effect(steady: SteadyState, system: System, name: str, channel: Channel, *,
     force, phi, held, *_ = ((a - b) / (2.0 * step) for a, b in zip(ahead.parts(), behind.parts(), strict=True))
     signals = {key: (ahead.signals[key] - behind.signals[key]) / (2.0 * step) for key in ahead.signals}
     elimination = steady.equations.elimination
-    moved = elimination.G @ held
+    moved = elimination.particular(held)
     position = moved - elimination.T @ (steady.P @ (steady.J @ moved + phi))
     if accelerates and not np.any(position):
         raise DeclarationError(
