@@ -107,9 +107,9 @@ def _resultants(
     q: Floats, vectors: Ints, weights: Floats, f: Floats,
     centre_vectors: Ints, centre_weights: Floats, constant: Floats, out: Floats,
 ) -> None:  # fmt: skip
-    """Force and torque out (6,) of forces f on vectors x_k: sum w_k f_k and sum (x_k - w_k c) x f_k, w_k = 1 for positions, else 0.
+    """Force and torque out (6,) of forces f on vectors x_k: sum w_k f_k and sum (x_k - w_k c) x f_k.
 
-    The centre c is a sum of vectors with weights, and a constant.
+    The weight w_k is 1 for positions, else 0; the centre c is a sum of vectors with weights, and a constant.
     """
     c0, c1, c2 = constant[0], constant[1], constant[2]
     for i in range(len(centre_vectors)):

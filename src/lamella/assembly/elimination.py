@@ -157,7 +157,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
 
 
 Expression = dict[int, float]
-"""A dependent coordinate as sum terms[c] q_c and what the right-hand sides add; the q_c became dependent after it, or not at all."""
+"""A dependent coordinate as sum terms[c] q_c, beside what right-hand sides add; the q_c became dependent later or not at all."""
 
 
 def _substitute(

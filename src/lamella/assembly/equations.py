@@ -21,6 +21,8 @@ from lamella.model import Model
 from lamella.roles import Floats
 from lamella.state import State
 
+NOTHING = np.zeros(0)
+
 
 class Equations:
     """r(u) = T^T (M a + f(t, q, v) + Phi_q^T lam), Phi(t, q) with q = T u + G c(t).
@@ -261,9 +263,14 @@ class Equations:
             return f"nothing holds {what}: heat has no way out here; a plate that radiates must start above 0 K"
         return f"nothing holds {what}: a body or mechanism can move freely; add a support"
 
-    def state(self, point: Point) -> State:
-        """All coordinates, velocities, accelerations, multipliers and the reaction of the eliminated constraints."""
+    def state(self, point: Point, *, whole: bool = True) -> State:
+        """All coordinates, velocities, accelerations, multipliers and, if ``whole``, the reaction of the eliminated constraints.
+
+        Where nothing but signals that are not recorded asks for the reaction, it need not be evaluated.
+        """
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
+        if not whole:
+            return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), NOTHING, point.factor)
         reaction = self.forces(point.t, q, v) + point.factor * self.loads(point.t, q, v)
         if not point.at_rest:
             reaction += self._mass(a)
@@ -277,8 +284,9 @@ class Equations:
             r += self._inertia(point.udd)
             if self.elimination.moves:
                 r += self._carried(point.t)
-        if self.n_lam:
-            force = np.zeros(self.model.n_q)
-            self.constraints.add_force(point.t, q, point.lam, force)
-            r += self._gather(force)
+        if not self.n_lam:
+            return r, NOTHING
+        force = np.zeros(self.model.n_q)
+        self.constraints.add_force(point.t, q, point.lam, force)
+        r += self._gather(force)
         return r, self.constraints.phi(point.t, q)

@@ -114,7 +114,11 @@ class GeneralizedAlphaStepper(Stepper):
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         self.change = ChangeSize(equations)
         self._per_size = 1.0 / equations.magnitude[:n]
-        self._shares = ((1 - self.alpha_f) / (1 - self.alpha_m), self.alpha_f / (1 - self.alpha_m), -self.alpha_m / (1 - self.alpha_m))
+        self._shares = (
+            (1 - self.alpha_f) / (1 - self.alpha_m),
+            self.alpha_f / (1 - self.alpha_m),
+            -self.alpha_m / (1 - self.alpha_m),
+        )
 
     def restart(self, point: Point) -> None:
         """Start from a consistent point: the algorithmic acceleration is the true one."""

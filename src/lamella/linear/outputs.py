@@ -39,10 +39,10 @@ class Change:
 class Outputs:
     """Components of signals, with their values in a state.
 
-    A derivative is the sum of three central differences: along the change of q, along that of v, and along that of (a, lam, reaction).
-    Signals are at most quadratic in velocities and in forces, and most are in positions too: there central differences are exact
-    up to rounding, whatever the step. Elsewhere their error is STEP^2 / 6 of the third derivative, 1e-11, and rounding is about
-    1e-16 / STEP of the signal's value for a change by the size of the body.
+    A derivative is the sum of three central differences: along the change of q, along that of v, and along that of (a, lam,
+    reaction). Signals are at most quadratic in velocities and in forces, and most are in positions too: there central differences
+    are exact up to rounding, whatever the step. Elsewhere their error is STEP^2 / 6 of the third derivative, 1e-11, and rounding
+    is about 1e-16 / STEP of the signal's value for a change by the size of the body.
 
     Args:
         steady: the state.
