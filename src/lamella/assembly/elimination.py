@@ -36,6 +36,7 @@ class Elimination:
         C: the constraints kept, sparse (n_rows, n_q), with full row rank.
         rows: the rows kept, in the order of ``C``.
         moving: those whose right-hand side changes with time.
+        n_q: number of all coordinates.
         relations: for each row that repeats others the relation sum_k x_k row_k = 0 as {k: x_k}; its own x is 1.
 
     Raises:
@@ -43,7 +44,7 @@ class Elimination:
     """
 
     def __init__(self, T: sparse.csr_array, dependent: Ints, rows: Sequence[LinearRow], kept: Sequence[int]) -> None:
-        n_q = T.shape[0]
+        self.n_q = n_q = len(T.indptr) - 1
         self.T, self.kept, self.rows = T, tuple(kept), tuple(rows[number] for number in kept)
         self.independent = np.setdiff1d(np.arange(n_q), dependent)
         self.C = C = _stacked(self.rows, n_q)
@@ -59,8 +60,10 @@ class Elimination:
         numbers = np.setdiff1d(np.arange(len(rows)), self.kept)
         relations = []
         lengths = np.array([np.abs(row.coefs).max() for row in self.rows])
-        for number, left in zip(numbers.tolist(), _stacked([rows[k] for k in numbers], self.T.shape[0]), strict=True):
-            shares = self._inverse.solve(left.toarray().reshape(-1)[self._dependent], "T") if self._inverse else lengths
+        for number in numbers.tolist():
+            coefs = np.zeros(self.n_q)
+            np.add.at(coefs, rows[number].coords, rows[number].coefs)
+            shares = self._inverse.solve(coefs[self._dependent], "T") if self._inverse else lengths
             used = np.flatnonzero(np.abs(shares) * lengths > NEGLIGIBLE * np.abs(rows[number].coefs).max())
             relation = {number: 1.0} | {self.kept[k]: -float(shares[k]) for k in used}
             _check_repeated(rows[number], relation, rows)
@@ -69,7 +72,7 @@ class Elimination:
 
     def particular(self, c: Floats) -> Floats:
         """The coordinates G c that obey C q = c with all independent ones 0, shape (n_q,) or (n_q, m) for c (n_rows, m)."""
-        q = np.zeros((self.T.shape[0], *c.shape[1:]))
+        q = np.zeros((self.n_q, *c.shape[1:]))
         if self._inverse is not None:
             q[self._dependent] = self._inverse.solve(c)
         return q
@@ -216,7 +219,7 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     B, L = sparse.csr_array(both[:, :n_u]), sparse.csr_array(both[:, n_u:])
     while L.nnz:  # (1 - L)^-1 = ... (1 + L^4) (1 + L^2) (1 + L), since a power of L vanishes
         B, L = sparse.csr_array(B + L @ B), sparse.csr_array(L @ L)
-    return sparse.csr_array(sparse.vstack([sparse.eye_array(n_u), B], format="csr")[place])
+    return sparse.csr_array(sparse.csr_array(sparse.vstack([sparse.eye_array(n_u), B]))[place])
 
 
 def _stacked(rows: Sequence[LinearRow], n_q: int) -> sparse.csr_array:
