@@ -10,6 +10,7 @@ from math import ceil, floor
 import numpy as np
 
 from lamella.assembly.equations import Equations
+from lamella.assembly.point import Point
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.integrate.events import EventWatch
@@ -154,6 +155,7 @@ class _March:
         self.equations, self.stepper, self.integrator = equations, stepper, integrator
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
         self.every, self.stride = every, stride
+        self.point: Point | None = None
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
         self.sampling = Sampling(equations.model.samplers, recorder.signals, recorder.start)
 
@@ -200,7 +202,7 @@ class _March:
                 dt = trial * (0.5 if outcome.point is None else outcome.growth)
                 if dt < self.integrator.dt_min:
                     if self.recorder.at[-1] < self.t:
-                        self.recorder.sample(self.t, self.state)
+                        self.recorder.sample(self.t, self._whole())
                     return self._given_up(trial, outcome)
                 continue
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
@@ -208,9 +210,11 @@ class _March:
             self.statistics.steps += 1
             self._sample_between(self.t, point.t)
             self.t = stop if count == 1 and length == trial else point.t
-            self.state = self.equations.state(point)
+            recorded = self.statistics.steps % self.stride == 0 or bool(triggers) or self.t >= self.t_end
+            self.point = point
+            self.state = self.equations.state(point, whole=recorded or self.equations.elimination.moves)
             self.equations.model.settle(self.state)
-            if self.statistics.steps % self.stride == 0 or triggers or self.t >= self.t_end:
+            if recorded:
                 self.recorder.sample(self.t, self.state)
             else:
                 self.recorder.pass_over(self.state)
@@ -249,11 +253,17 @@ class _March:
 
     def _control(self) -> bool:
         """Let controllers act whose time it is; the state behind the jump of their loads is recorded as well."""
-        if not self.sampling.act(self.t, self.state):
+        if not self.sampling.act(self.t, self._whole()):
             return False
         self._restart()
         self.recorder.sample(self.t, self.state)
         return True
+
+    def _whole(self) -> State:
+        """The present state with what a step that is not recorded leaves out."""
+        if self.point is not None and not len(self.state.reaction):
+            self.state = self.equations.state(self.point)
+        return self.state
 
     def _restart(self) -> None:
         """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""

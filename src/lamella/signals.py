@@ -7,13 +7,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy import sparse
 
+from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
 from lamella.kinematics import vectors_of
-from lamella.roles import Floats, ForceBlock
+from lamella.roles import Floats, ForceBlock, Ints
 from lamella.state import State
 
 AXES = ("x", "y", "z")
@@ -40,8 +41,15 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
     if support.single:
         kind, unit = support.quantity
+        forces_of = equations.elimination.forces_of(own)
         return [
-            Signal(f"{support.name}.{kind}", unit, (), lambda s: float(s.mu[own].sum()), f"generalised {kind} of {support.name}")
+            Signal(
+                f"{support.name}.{kind}",
+                unit,
+                (),
+                lambda s: float(forces_of(s.reaction).sum()),
+                f"generalised {kind} of {support.name}",
+            )
         ]
     transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((model.n_q, 0))
     dots = DotBlock(support.name, [model.dots[row] for row in support.dots]) if support.dots else None
@@ -50,26 +58,29 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     side = np.array([support.side in (None, owner) for owner in model.owners])
     vectors = np.array([k for k in np.unique(touched) if side[k]], dtype=np.int64)
     coords = (3 * vectors[:, None] + np.arange(3)).reshape(-1)
-    held = SumOperator(transposed[coords])
-    is_position = model.is_position[vectors].astype(float)
+    forces_of, held = equations.elimination.forces_of(own), SumOperator(transposed[coords])
+    weights, centre = model.is_position[vectors].astype(float), support.centre
     entries = np.empty(0 if dots is None else len(dots.j_cols))
+    place = np.full(model.n_q, len(coords))  # what acts on the other side is left behind
+    place[coords] = np.arange(len(coords))
+    places = None if dots is None else place[dots.j_cols]
 
-    def on_vectors(state: State) -> Floats:
-        force = held(state.mu[own])
-        if dots is not None:
+    def evaluate(state: State) -> Floats:
+        f = held(forces_of(state.reaction))
+        if dots is not None and places is not None:
             dots.jacobian(state.t, state.q, entries)
-            force -= np.bincount(dots.j_cols, entries * state.lam[lam][dots.j_rows], minlength=model.n_q)[coords]
-        return force.reshape(-1, 3)
+            f -= np.bincount(places, entries * state.lam[lam][dots.j_rows], minlength=len(coords) + 1)[:-1]
+        found = np.empty(6)
+        _resultants(state.q, vectors, weights, f, centre.vectors, centre.weights, centre.constant, found)
+        return found
 
-    shared = OncePerState(on_vectors)
+    shared = OncePerState(evaluate)
 
     def force(state: State) -> Floats:
-        return is_position @ shared(state)
+        return shared(state)[:3]
 
     def torque(state: State) -> Floats:
-        x, f = vectors_of(state.q), shared(state)
-        P = x[vectors].T @ f - np.outer(support.centre.at(x), is_position @ f)
-        return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
+        return shared(state)[3:]
 
     on = f" on {support.side}" if support.side else ""
     signals = [
@@ -89,6 +100,32 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
         Signal(f"{support.name}.force_local", "N", AXES, local(force), f"force of {support.name}{on} {where}"),
         Signal(f"{support.name}.torque_local", "N m", AXES, local(torque), f"torque of {support.name}{on} {where}"),
     ]
+
+
+@njit
+def _resultants(
+    q: Floats, vectors: Ints, weights: Floats, f: Floats,
+    centre_vectors: Ints, centre_weights: Floats, constant: Floats, out: Floats,
+) -> None:  # fmt: skip
+    """Force and torque out (6,) of forces f on vectors x_k: sum w_k f_k and sum (x_k - w_k c) x f_k.
+
+    The weight w_k is 1 for positions, else 0; the centre c is a sum of vectors with weights, and a constant.
+    """
+    c0, c1, c2 = constant[0], constant[1], constant[2]
+    for i in range(len(centre_vectors)):
+        k, w = 3 * centre_vectors[i], centre_weights[i]
+        c0, c1, c2 = c0 + w * q[k], c1 + w * q[k + 1], c2 + w * q[k + 2]
+    out[:] = 0.0
+    for i in range(len(vectors)):
+        k, w = 3 * vectors[i], weights[i]
+        x0, x1, x2 = q[k] - w * c0, q[k + 1] - w * c1, q[k + 2] - w * c2
+        f0, f1, f2 = f[3 * i], f[3 * i + 1], f[3 * i + 2]
+        out[0] += w * f0
+        out[1] += w * f1
+        out[2] += w * f2
+        out[3] += x1 * f2 - x2 * f1
+        out[4] += x2 * f0 - x0 * f2
+        out[5] += x0 * f1 - x1 * f0
 
 
 class OncePerState:
@@ -144,6 +181,8 @@ class ActuatorMeter:
         self._last: tuple[float, Floats] | None = None
 
     def __call__(self, state: State) -> float:
+        if not self.blocks:
+            return 0.0
         if self._last is not None:
             t, q = self._last
             n = self.n_motion
@@ -163,8 +202,9 @@ def energy_signals(equations: Equations) -> list[Signal]:
     model, elimination = equations.model, equations.elimination
     damped = [block for block in model.forces if block.depends_on_velocity and not block.first_order]
     n = model.n_motion
-    mechanical = np.array([row.coords[0] < n for row in elimination.rows], dtype=float)
     moves = elimination.moves or equations.constraints.moves
+    mechanical = np.array([elimination.rows[k].coords[0] < n for k in elimination.moving], dtype=float)
+    forces_of = elimination.forces_of(elimination.moving)
 
     def kinetic(state: State) -> float:
         return 0.5 * float(state.v @ equations.momentum(state.v))
@@ -178,8 +218,8 @@ def energy_signals(equations: Equations) -> list[Signal]:
         A damper that relaxes within a step does the work of its mean force on the little way that is left, not its first power
         for half the step.
         """
-        moving = dampers(state.t, state.q, state.v).copy()
-        return moving - dampers(state.t, state.q, at_rest), state.q
+        all_of_it = dampers(state.t, state.q, state.v).copy()
+        return all_of_it - dampers(state.t, state.q, at_rest), state.q
 
     def power(state: State) -> float:
         return sum(block.dissipation(state.t, state.q, state.v) for block in damped)
@@ -191,8 +231,8 @@ def energy_signals(equations: Equations) -> list[Signal]:
     constraints = equations.constraints
     along_motions = WorkMeter(
         lambda s: (
-            np.concatenate([mechanical * s.mu, -s.lam]),
-            np.concatenate([elimination.right_hand_side(s.t, s.factor), constraints.prescribed(s.t)]),
+            np.concatenate([mechanical * forces_of(s.reaction), -s.lam]),
+            np.concatenate([s.factor * elimination.motions(s.t), constraints.prescribed(s.t)]),
         )
     )
     actuators = ActuatorMeter([block for block in model.forces if block.varies], n)

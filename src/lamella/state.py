@@ -17,8 +17,8 @@ class State:
         v: their velocities, shape (n_q,).
         a: their accelerations, shape (n_q,).
         lam: Lagrange multipliers of the constraints that are not eliminated, shape (n_lam,).
-        mu: forces of the eliminated constraints, one for each row kept, shape (n_rows,): the reaction is
-            M a + f + Phi_q^T lam = C^T mu.
+        reaction: M a + f + Phi_q^T lam, shape (n_q,): it vanishes but for the eliminated constraints C q = c, and is C^T mu with
+            the force mu of each; see :meth:`lamella.assembly.elimination.Elimination.row_forces`.
         factor: load factor in statics, 1 in motion.
     """
 
@@ -27,5 +27,5 @@ class State:
     v: Floats
     a: Floats
     lam: Floats
-    mu: Floats
+    reaction: Floats
     factor: float = 1.0

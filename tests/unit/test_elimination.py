@@ -43,7 +43,7 @@ def test_random_rows_are_satisfied_and_leave_the_rest_free(seed, n_rows, width):
     assert found.T.shape == (n_q, n_q - rank)
     assert len(found.kept) == rank
     u = rng.standard_normal(n_q - rank)
-    q = found.T @ u + found.G @ found.right_hand_side(0.0)
+    q = found.T @ u + found.particular(found.right_hand_side(0.0))
     # a few substitutions, each of which may enlarge rounding by a ratio of coefficients
     np.testing.assert_allclose(C @ q, c, atol=1e-9 * (1 + np.abs(q).max()))
     np.testing.assert_array_equal(q[found.independent], u)
@@ -89,6 +89,7 @@ def test_row_forces_recover_the_multipliers():
     found = eliminate(rows, 6)
     mu = rng.standard_normal(3)
     np.testing.assert_allclose(found.row_forces(found.C.T @ mu), mu, atol=1e-13)
+    np.testing.assert_allclose(found.forces_of(np.array([2, 0]))(found.C.T @ mu), mu[[2, 0]], atol=1e-13)
 
 
 def plate(rotation=(0.1, -0.3, 0.7), **changes):

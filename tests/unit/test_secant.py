@@ -74,7 +74,7 @@ def test_the_last_secant_is_met(n_lam: int):
     s = problem.correct()
     after = problem.residual(problem.z)
     first = np.concatenate(problem.corrections(after[:N], after[N:]))
-    problem.corrections._last = None  # asks twice without a correction in between
+    problem.corrections._corrected = False  # asks twice without a correction in between
     second = np.concatenate(problem.corrections(before[:N], before[N:]))
     np.testing.assert_allclose(first - second, -s, atol=1e-9 * np.abs(s).max())  # products of eight updates lose some digits
 

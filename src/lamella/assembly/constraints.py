@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy import sparse
 
+from lamella._jit import njit
 from lamella.roles import Bools, ConstraintBlock, Floats, Ints
 
 
@@ -92,7 +93,7 @@ class ConstraintStack:
         """Add Phi_q^T lam to ``total`` (n_q,)."""
         every = self.full(lam)
         for block, part, values in self._jacobians(t, q):
-            np.add.at(total, block.j_cols, values * every[part][block.j_rows])
+            _add_products(block.j_cols, values, every[part], block.j_rows, total)
 
     def _phi_t(self, t: float, q: Floats) -> Floats:
         out = np.zeros(self.n_all)
@@ -103,7 +104,7 @@ class ConstraintStack:
     def _times(self, t: float, q: Floats, x: Floats) -> Floats:
         out = np.zeros(self.n_all)
         for block, part, values in self._jacobians(t, q):
-            np.add.at(out[part], block.j_rows, values * x[block.j_cols])
+            _add_products(block.j_rows, values, x, block.j_cols, out[part])
         return out
 
     def _jacobians(self, t: float, q: Floats) -> Iterator[tuple[ConstraintBlock, slice, Floats]]:
@@ -111,3 +112,10 @@ class ConstraintStack:
             values = np.empty(len(block.j_rows))
             block.jacobian(t, q, values)
             yield block, part, values
+
+
+@njit
+def _add_products(targets: Ints, values: Floats, x: Floats, sources: Ints, out: Floats) -> None:
+    """out[targets] += values x[sources], repeated targets each time."""
+    for i in range(len(targets)):
+        out[targets[i]] += values[i] * x[sources[i]]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 from scipy import sparse
@@ -15,63 +16,123 @@ from lamella.roles import Floats, Ints
 
 NEGLIGIBLE = 1e-10
 """Coefficients below this share of the row's largest one count as zero while rows are reduced."""
+COLUMNS = 64
+"""Right-hand sides solved for at once."""
+FEW = 12
+"""Rows for which a product is worth its numbers in any case."""
 
 
 class Elimination:
     """The map between independent and all coordinates.
 
     Args:
-        independent: coordinates kept as unknowns u, shape (n_u,).
         T: sparse (n_q, n_u).
-        G: sparse (n_q, n_rows).
+        dependent: coordinates that are no unknowns, in the order of the rows that are kept.
+        rows: all rows.
+        kept: numbers of those that determine the dependent coordinates; the others repeat these.
+
+    Attributes:
+        independent: coordinates kept as unknowns u, shape (n_u,).
         C: the constraints kept, sparse (n_rows, n_q), with full row rank.
-        kept: rows of the model that were kept; the others repeat these.
         rows: the rows kept, in the order of ``C``.
+        moving: those whose right-hand side changes with time.
+        n_q: number of all coordinates.
         relations: for each row that repeats others the relation sum_k x_k row_k = 0 as {k: x_k}; its own x is 1.
+
+    Raises:
+        ConstraintError: a row that repeats others contradicts them.
     """
 
-    def __init__(
-        self,
-        independent: Ints,
-        T: sparse.csr_array,
-        G: sparse.csr_array,
-        C: sparse.csr_array,
-        kept: tuple[int, ...],
-        rows: tuple[LinearRow, ...],
-        relations: tuple[dict[int, float], ...] = (),
-    ) -> None:
-        self.relations = relations
-        self.independent, self.T, self.G, self.C, self.kept, self.rows = independent, T, G, C, kept, rows
-        self._constant = np.array([row.constant for row in rows])
-        self._moving = [(k, row.motion) for k, row in enumerate(rows) if row.motion is not None]
-        self._gram, self._row_sum = linalg.splu(sparse.csc_array(C @ C.T)) if rows else None, SumOperator(C)
+    def __init__(self, T: sparse.csr_array, dependent: Ints, rows: Sequence[LinearRow], kept: Sequence[int]) -> None:
+        self.n_q = n_q = len(T.indptr) - 1
+        self.T, self.kept, self.rows = T, tuple(kept), tuple(rows[number] for number in kept)
+        self.independent = np.setdiff1d(np.arange(n_q), dependent)
+        self.C = C = _stacked(self.rows, n_q)
+        self.moving: Ints = np.array([k for k, row in enumerate(self.rows) if row.motion is not None], dtype=np.int64)
+        self._motions = [row.motion for row in self.rows if row.motion is not None]
+        self._dependent = dependent
+        self._inverse = linalg.splu(sparse.csc_array(C[:, dependent])) if kept else None
+        self._gram = linalg.splu(sparse.csc_array(C @ C.T)) if kept else None
+        self.relations = self._repeated(rows)
+
+    def _repeated(self, rows: Sequence[LinearRow]) -> tuple[dict[int, float], ...]:
+        """The rows that are not kept as sums of those that are: x C_d = row_d in the dependent coordinates."""
+        numbers = np.setdiff1d(np.arange(len(rows)), self.kept)
+        relations = []
+        lengths = np.array([np.abs(row.coefs).max() for row in self.rows])
+        for number in numbers.tolist():
+            coefs = np.zeros(self.n_q)
+            np.add.at(coefs, rows[number].coords, rows[number].coefs)
+            shares = self._inverse.solve(coefs[self._dependent], "T") if self._inverse else lengths
+            used = np.flatnonzero(np.abs(shares) * lengths > NEGLIGIBLE * np.abs(rows[number].coefs).max())
+            relation = {number: 1.0} | {self.kept[k]: -float(shares[k]) for k in used}
+            _check_repeated(rows[number], relation, rows)
+            relations.append(relation)
+        return tuple(relations)
+
+    def particular(self, c: Floats) -> Floats:
+        """The coordinates G c that obey C q = c with all independent ones 0, shape (n_q,) or (n_q, m) for c (n_rows, m)."""
+        q = np.zeros((self.n_q, *c.shape[1:]))
+        if self._inverse is not None:
+            q[self._dependent] = self._inverse.solve(c)
+        return q
+
+    @property
+    def of_motions(self) -> sparse.csr_array:
+        """The columns of G that belong to moving rows, sparse (n_q, n_moving)."""
+        units = np.zeros((len(self.rows), len(self.moving)))
+        units[self.moving, np.arange(len(self.moving))] = 1.0
+        return sparse.csr_array(self.particular(units))
 
     @property
     def moves(self) -> bool:
         """True when a support moves."""
-        return bool(self._moving)
+        return bool(self._motions)
+
+    @property
+    def constant(self) -> Floats:
+        """The part of c(t) that does not move, shape (n_rows,)."""
+        return np.array([row.constant for row in self.rows])
 
     def right_hand_side(self, t: float, factor: float = 1.0) -> Floats:
         """c(t) with its motions scaled by ``factor``, shape (n_rows,)."""
-        return self._constant + self._motion(t, "value") * factor
+        c = self.constant
+        c[self.moving] += factor * self.motions(t)
+        return c
+
+    def motions(self, t: float) -> Floats:
+        """Motions of the moving rows, shape (n_moving,)."""
+        return np.array([motion.value(t) for motion in self._motions])
 
     def rates(self, t: float) -> Floats:
-        """First derivative of c by time, shape (n_rows,)."""
-        return self._motion(t, "rate")
+        """First derivative of c of the moving rows by time, shape (n_moving,)."""
+        return np.array([motion.rate(t) for motion in self._motions])
 
     def accelerations(self, t: float) -> Floats:
-        """Second derivative of c by time, shape (n_rows,)."""
-        return self._motion(t, "acceleration")
+        """Second derivative of c of the moving rows by time, shape (n_moving,)."""
+        return np.array([motion.acceleration(t) for motion in self._motions])
 
     def row_forces(self, reaction: Floats) -> Floats:
         """Force of each row from the generalised reaction R = C^T mu (n_q,): mu solves C C^T mu = C R exactly."""
-        return self._gram.solve(self._row_sum(reaction)) if self._gram else np.zeros(0)
+        return self._gram.solve(self.C @ reaction) if self._gram else np.zeros(0)
 
-    def _motion(self, t: float, derivative: str) -> Floats:
-        values = np.zeros(len(self.rows))
-        for k, motion in self._moving:
-            values[k] = getattr(motion, derivative)(t)
-        return values
+    def forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
+        """The function from R (n_q,) to the forces mu of some of the rows kept.
+
+        It is the product with their rows of (C C^T)^-1 C, found once, unless these hold more numbers than the factorisation.
+        """
+        if self._gram is None or not len(rows):
+            return lambda reaction: np.zeros(0)
+        gram, parts = self._gram, []
+        for first in range(0, len(rows), COLUMNS):
+            chosen = rows[first : first + COLUMNS]
+            units = np.zeros((len(self.rows), len(chosen)))
+            units[chosen, np.arange(len(chosen))] = 1.0
+            parts.append(sparse.csr_array(gram.solve(units).T) @ self.C)
+        found = sparse.csr_array(sparse.vstack(parts))
+        if found.nnz > gram.nnz + self.C.nnz and len(rows) > FEW:
+            return lambda reaction: self.row_forces(reaction)[rows]
+        return SumOperator(found)
 
 
 def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
@@ -80,105 +141,108 @@ def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
     Each row, after substitution of what is already dependent, gives up the coordinate with its largest coefficient.
 
     Raises:
-        ConstraintError: a row contradicts those before it.
+        ConstraintError: a row contradicts others.
     """
-    solved: dict[int, tuple[dict[int, float], dict[int, float]]] = {}
-    users: dict[int, set[int]] = {}
+    solved: dict[int, Expression] = {}
+    order: dict[int, int] = {}
+    resolved: dict[int, Expression] = {}
     kept: list[int] = []
-    relations: list[dict[int, float]] = []
     for number, row in enumerate(rows):
-        terms, sources = _substitute(row, number, solved)
+        terms = _substitute(row, solved, order, resolved)
         if not terms:
-            _check_repeated(row, sources, rows)
-            relations.append(sources)
             continue
         kept.append(number)
         pivot = max(terms, key=lambda c: abs(terms[c]))
         lead = terms.pop(pivot)
-        expression = ({c: -x / lead for c, x in terms.items()}, {k: x / lead for k, x in sources.items()})
-        for dependent in users.pop(pivot, ()):
-            _replace(solved[dependent], pivot, expression)
-            for c in expression[0]:
-                users.setdefault(c, set()).add(dependent)
-        solved[pivot] = expression
-        for c in expression[0]:
-            users.setdefault(c, set()).add(pivot)
-    return _matrices(rows, kept, solved, n_q, tuple(relations))
+        order[pivot] = len(order)
+        solved[pivot] = {c: -x / lead for c, x in terms.items()}
+    return Elimination(_map(solved, order, n_q), np.array(list(order), dtype=np.int64), rows, kept)
 
 
-Expression = tuple[dict[int, float], dict[int, float]]
+Expression = dict[int, float]
+"""A dependent coordinate as sum terms[c] q_c, beside what right-hand sides add; the q_c became dependent later or not at all."""
 
 
-def _substitute(row: LinearRow, number: int, solved: dict[int, Expression]) -> Expression:
-    """The row as sum terms[c] q_c = sum sources[k] c_k, free of dependent coordinates."""
-    terms: dict[int, float] = {}
-    sources: dict[int, float] = {number: 1.0}
+def _substitute(
+    row: LinearRow, solved: dict[int, Expression], order: dict[int, int], resolved: dict[int, Expression]
+) -> Expression:
+    """The coefficients of a row, free of dependent coordinates.
+
+    Args:
+        row: the row.
+        solved: the dependent coordinates, as they became dependent.
+        order: when they did.
+        resolved: those that rows have asked for, as they are now.
+    """
+    terms: Expression = {}
     for coordinate, coefficient in zip(row.coords.tolist(), row.coefs.tolist(), strict=True):
         if coordinate in solved:
-            for c, x in solved[coordinate][0].items():
-                terms[c] = terms.get(c, 0.0) + coefficient * x
-            for k, x in solved[coordinate][1].items():
-                sources[k] = sources.get(k, 0.0) - coefficient * x
+            if coordinate not in resolved:
+                resolved[coordinate] = dict(solved[coordinate])
+            _resolve(resolved[coordinate], solved, order)
+            _add(terms, coefficient, resolved[coordinate])
         else:
             terms[coordinate] = terms.get(coordinate, 0.0) + coefficient
     largest = float(np.abs(row.coefs).max())
-    return {c: x for c, x in terms.items() if abs(x) > NEGLIGIBLE * largest}, sources
+    return {c: x for c, x in terms.items() if abs(x) > NEGLIGIBLE * largest}
 
 
-def _replace(expression: Expression, pivot: int, by: Expression) -> None:
-    coefficient = expression[0].pop(pivot)
-    for part, new in zip(expression, by, strict=True):
-        for key, x in new.items():
-            part[key] = part.get(key, 0.0) + coefficient * x
+def _resolve(terms: Expression, solved: dict[int, Expression], order: dict[int, int]) -> None:
+    """Free an expression of dependent coordinates, which are replaced in the order in which they became dependent."""
+    waiting = [(order[c], c) for c in terms if c in order]
+    heapify(waiting)
+    while waiting:
+        dependent = heappop(waiting)[1]
+        by, coefficient = solved[dependent], terms.pop(dependent)
+        for c in by:
+            if c in order and c not in terms:
+                heappush(waiting, (order[c], c))
+        _add(terms, coefficient, by)
 
 
-def _check_repeated(row: LinearRow, sources: dict[int, float], rows: Sequence[LinearRow]) -> None:
-    """A row without terms must say 0 = 0, now and (through its motions) at all times."""
-    constant = sum(x * rows[k].constant for k, x in sources.items())
-    scale = 1.0 + max(abs(x * rows[k].constant) for k, x in sources.items())
+def _add(total: Expression, factor: float, part: Expression) -> None:
+    for key, x in part.items():
+        total[key] = total.get(key, 0.0) + factor * x
+
+
+def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> sparse.csr_array:
+    """T from q_d = L q_d + B u for the dependent coordinates, with L strictly triangular: q_d = (1 - L)^-1 B u."""
+    independent = np.array([c for c in range(n_q) if c not in solved], dtype=np.int64)
+    n_d, n_u = len(solved), len(independent)
+    place = np.empty(n_q, dtype=np.int64)
+    place[independent] = np.arange(n_u)
+    place[list(order)] = n_u + np.arange(n_d)
+    rows = np.repeat(np.arange(n_d), [len(terms) for terms in solved.values()])
+    cols = place[[c for terms in solved.values() for c in terms]]
+    values = np.array([x for terms in solved.values() for x in terms.values()], float)
+    both = sparse.csr_array(sparse.coo_array((values, (rows, cols)), shape=(n_d, n_u + n_d)))
+    B, L = sparse.csr_array(both[:, :n_u]), sparse.csr_array(both[:, n_u:])
+    while L.nnz:  # (1 - L)^-1 = ... (1 + L^4) (1 + L^2) (1 + L), since a power of L vanishes
+        B, L = sparse.csr_array(B + L @ B), sparse.csr_array(L @ L)
+    return sparse.csr_array(sparse.csr_array(sparse.vstack([sparse.eye_array(n_u), B]))[place])
+
+
+def _stacked(rows: Sequence[LinearRow], n_q: int) -> sparse.csr_array:
+    """Their coefficients, shape (n, n_q)."""
+    starts = np.cumsum([0, *(len(row.coords) for row in rows)])
+    coords = np.concatenate([np.zeros(0, np.int64), *(row.coords for row in rows)])
+    coefs = np.concatenate([np.zeros(0), *(row.coefs for row in rows)])
+    found = sparse.csr_array((coefs, coords, starts), shape=(len(rows), n_q))
+    found.sum_duplicates()
+    return found
+
+
+def _check_repeated(row: LinearRow, relation: dict[int, float], rows: Sequence[LinearRow]) -> None:
+    """What is left of a row that repeats others must say 0 = 0, now and (through its motions) at all times."""
+    constant = sum(x * rows[k].constant for k, x in relation.items())
+    scale = 1.0 + max(abs(x * rows[k].constant) for k, x in relation.items())
     motions: dict[Motion, float] = {}  # equal ones are the same: each item makes its own
-    for k, x in sources.items():
+    for k, x in relation.items():
         motion = rows[k].motion
         if motion is not None:
             motions[motion] = motions.get(motion, 0.0) + x
     if abs(constant) > 1e-9 * scale or any(abs(x) > NEGLIGIBLE for x in motions.values()):
-        others = ", ".join(sorted({rows[k].label for k in sources if rows[k] is not row})[:4])
+        others = ", ".join(sorted({rows[k].label for k in relation if rows[k] is not row})[:4])
         raise ConstraintError(
             f"{row.label} contradicts {others}: both hold the same coordinates at different values; remove one of them"
         )
-
-
-def _matrices(
-    rows: Sequence[LinearRow],
-    kept: list[int],
-    solved: dict[int, Expression],
-    n_q: int,
-    relations: tuple[dict[int, float], ...],
-) -> Elimination:
-    independent = np.array([c for c in range(n_q) if c not in solved], dtype=np.int64)
-    column = {int(c): k for k, c in enumerate(independent)}
-    source = {number: k for k, number in enumerate(kept)}
-    t_entries = [(int(c), k, 1.0) for k, c in enumerate(independent)]
-    t_entries += [(d, column[c], x) for d, (terms, _) in solved.items() for c, x in terms.items()]
-    g_entries = [(d, source[k], x) for d, (_, sources) in solved.items() for k, x in sources.items() if k in source]
-    c_entries = [
-        (k, int(c), float(x))
-        for k, number in enumerate(kept)
-        for c, x in zip(rows[number].coords, rows[number].coefs, strict=True)
-    ]
-    return Elimination(
-        independent,
-        _sparse(t_entries, (n_q, len(independent))),
-        _sparse(g_entries, (n_q, len(kept))),
-        _sparse(c_entries, (len(kept), n_q)),
-        tuple(kept),
-        tuple(rows[number] for number in kept),
-        relations,
-    )
-
-
-def _sparse(entries: list[tuple[int, int, float]], shape: tuple[int, int]) -> sparse.csr_array:
-    i, j, x = (
-        (np.array(part) for part in zip(*entries, strict=True)) if entries else (np.zeros(0, int), np.zeros(0, int), np.zeros(0))
-    )
-    return sparse.csr_array(sparse.coo_array((x, (i, j)), shape=shape))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy import sparse
@@ -20,6 +20,8 @@ from lamella.errors import ConstraintError
 from lamella.model import Model
 from lamella.roles import Floats
 from lamella.state import State
+
+NOTHING = np.zeros(0)
 
 
 class Equations:
@@ -49,10 +51,11 @@ class Equations:
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
         self.expand, self._gather = SumOperator(T), SumOperator(sparse.csr_array(T.T))
-        self._source, self._mass = SumOperator(self.elimination.G), mass_operator(model.mass)
+        self._fixed = self.elimination.particular(self.elimination.constant)
+        self._source, self._mass = SumOperator(self.elimination.of_motions), mass_operator(model.mass)
         self._inertia = self._inertia_operator(T)
         self._at_rest = np.zeros(model.n_q)
-        self._held = self._source(self.elimination.right_hand_side(0.0)) if not self.elimination.moves else None
+        self._moved, self._carried = lru_cache(4)(self._moved_at), lru_cache(4)(self._carried_at)
         self._row_size = np.zeros(0)
         if self.constraints.n_all or self.elimination.relations:
             self._keep_independent()
@@ -125,10 +128,17 @@ class Equations:
 
     def coordinates(self, point: Point) -> Floats:
         """All coordinates q, shape (n_q,)."""
-        held = self._held
-        if held is None:
-            held = self._source(self.elimination.right_hand_side(point.t, point.factor))
-        return self.expand(point.u) + held
+        q = self.expand(point.u)
+        q += self._moved(point.t, point.factor) if self.elimination.moves else self._fixed
+        return q
+
+    def _moved_at(self, t: float, factor: float) -> Floats:
+        """What supports add to the coordinates, shape (n_q,)."""
+        return self._fixed + self._source(factor * self.elimination.motions(t))
+
+    def _carried_at(self, t: float) -> Floats:
+        """Inertia forces due to the accelerations of supports, shape (n_u,)."""
+        return self._gather(self._mass(self._source(self.elimination.accelerations(t))))
 
     def _force_velocities(self, point: Point) -> Floats:
         """Velocities where a force asks for them, else zeros, which cost nothing."""
@@ -137,12 +147,12 @@ class Equations:
     def velocities(self, point: Point) -> Floats:
         """All velocities, shape (n_q,)."""
         v = self.expand(point.ud)
-        return v if self._held is not None or point.at_rest else v + self._source(self.elimination.rates(point.t))
+        return v if not self.elimination.moves or point.at_rest else v + self._source(self.elimination.rates(point.t))
 
     def accelerations(self, point: Point) -> Floats:
         """All accelerations, shape (n_q,)."""
         a = self.expand(point.udd)
-        return a if self._held is not None or point.at_rest else a + self._source(self.elimination.accelerations(point.t))
+        return a if not self.elimination.moves or point.at_rest else a + self._source(self.elimination.accelerations(point.t))
 
     def residual(self, point: Point) -> tuple[Floats, Floats]:
         """r (n_u,) and Phi (n_lam,)."""
@@ -231,7 +241,7 @@ class Equations:
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
-        if self._held is not None:
+        if not self.elimination.moves:
             return self._gather(self.loads(point.t, self.coordinates(point), self.velocities(point)))
         # By difference: an exact derivative would need the columns of K that belong to eliminated coordinates.
         step, ahead = 1e-7, point.copy()
@@ -253,28 +263,30 @@ class Equations:
             return f"nothing holds {what}: heat has no way out here; a plate that radiates must start above 0 K"
         return f"nothing holds {what}: a body or mechanism can move freely; add a support"
 
-    def state(self, point: Point) -> State:
-        """All coordinates, velocities, accelerations and the reactions of the eliminated constraints.
+    def state(self, point: Point, *, whole: bool = True) -> State:
+        """All coordinates, velocities, accelerations, multipliers and, if ``whole``, the reaction of the eliminated constraints.
 
-        The reaction is M a + f + Phi_q^T lam in all coordinates, which vanishes but for the eliminated constraints.
+        Where nothing but signals that are not recorded asks for the reaction, it need not be evaluated.
         """
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
+        if not whole:
+            return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), NOTHING, point.factor)
         reaction = self.forces(point.t, q, v) + point.factor * self.loads(point.t, q, v)
         if not point.at_rest:
             reaction += self._mass(a)
         self.constraints.add_force(point.t, q, point.lam, reaction)
-        mu = self.elimination.row_forces(reaction)
-        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), mu, point.factor)
+        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), reaction, point.factor)
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""
         r = self.forces.reduced() + point.factor * self.loads.reduced()
         if not point.at_rest:
             r += self._inertia(point.udd)
-            if self._held is None:
-                r += self._gather(self._mass(self._source(self.elimination.accelerations(point.t))))
-        if self.n_lam:
-            force = np.zeros(self.model.n_q)
-            self.constraints.add_force(point.t, q, point.lam, force)
-            r += self._gather(force)
+            if self.elimination.moves:
+                r += self._carried(point.t)
+        if not self.n_lam:
+            return r, NOTHING
+        force = np.zeros(self.model.n_q)
+        self.constraints.add_force(point.t, q, point.lam, force)
+        r += self._gather(force)
         return r, self.constraints.phi(point.t, q)

@@ -25,8 +25,9 @@ class ChangeSize:
         n, independent = equations.n_motion, equations.elimination.independent
         chosen = equations.model.is_position[independent[:n] // 3]
         measured = chosen if chosen.any() else ~chosen  # errors are displacements; slopes would weigh short waves too much
-        self._measured, self._slopes = np.flatnonzero(measured), np.flatnonzero(~chosen)
+        self._measured = np.flatnonzero(measured)
         self._per_size, self.n = 1.0 / equations.magnitude, n
+        self._per_slope = self._per_size[:n] * ~chosen
 
     def error(self, du: Floats) -> float:
         """Root mean square of the displacements, or that of the scalar fields if it is larger."""
@@ -36,7 +37,7 @@ class ChangeSize:
 
     def turn(self, du: Floats) -> float:
         """Largest change of a slope."""
-        return float(np.max(np.abs(du * self._per_size)[self._slopes], initial=0.0))
+        return float(np.max(np.abs(du[: self.n] * self._per_slope), initial=0.0))
 
 
 def refuse_folding(report: NewtonReport, turn: float) -> NewtonReport:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
 from lamella.declaration import declaration
@@ -113,6 +114,11 @@ class GeneralizedAlphaStepper(Stepper):
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         self.change = ChangeSize(equations)
         self._per_size = 1.0 / equations.magnitude[:n]
+        self._shares = (
+            (1 - self.alpha_f) / (1 - self.alpha_m),
+            self.alpha_f / (1 - self.alpha_m),
+            -self.alpha_m / (1 - self.alpha_m),
+        )
 
     def restart(self, point: Point) -> None:
         """Start from a consistent point: the algorithmic acceleration is the true one."""
@@ -137,13 +143,18 @@ class GeneralizedAlphaStepper(Stepper):
         motion it holds much of the plate's stiff stretching, which is better not extrapolated.
         """
         old, a, weights = self.point, self.a, self.weights(dt)
-        base = old.u + dt * old.ud + dt**2 * (0.5 - self.beta) * a
-        du = (dt**2 * self.beta if self._smooth else -(dt**2) * (0.5 - self.beta)) * a
-        ud = old.ud + dt * (1 - self.gamma) * a + weights.alpha_v * du
-        udd = (self.alpha_m * a - self.alpha_f * old.udd) / (1 - self.alpha_f) + weights.alpha_a * du
-        new = Point(old.t + dt, base + du, ud, udd, old.lam.copy())
+        share = dt**2 * (self.beta if self._smooth else self.beta - 0.5)  # du = share a beyond q + dt v + dt^2 (1/2 - beta) a
+        factors = (
+            dt,
+            dt**2 * (0.5 - self.beta) + share,
+            dt * (1 - self.gamma) + weights.alpha_v * share,
+            self.alpha_m / (1 - self.alpha_f) + weights.alpha_a * share,
+            -self.alpha_f / (1 - self.alpha_f),
+        )
+        new = Point(old.t + dt, np.empty_like(a), np.empty_like(a), np.empty_like(a), old.lam.copy())
+        _predict(old.u, old.ud, old.udd, a, *factors, new.u, new.ud, new.udd)
         n = self.n
-        if n < len(du):
+        if n < len(a):
             new.u[n:], new.ud[n:] = self.fields.predicted(dt, old.u[n:], old.ud[n:])
         if self.stabilised:
             self.stabilised.begin(old, weights)
@@ -155,10 +166,9 @@ class GeneralizedAlphaStepper(Stepper):
             self._new = None
             return StepOutcome(report, None)
         # From the accelerations: the difference of positions would divide their rounding by dt^2.
-        a_new = ((1 - self.alpha_f) * new.udd + self.alpha_f * old.udd - self.alpha_m * a) / (1 - self.alpha_m)
+        a_new = np.empty_like(a)
+        smooth = _finish(old.u, old.ud, old.udd, a, new.u, new.udd, dt, *self._shares, self._per_size, a_new)
         s_new = self.fields.algorithmic(old.ud[n:], new.ud[n:])
-        moved = (new.u - old.u - dt * old.ud)[:n]
-        smooth = float(np.abs(moved - 0.5 * dt**2 * a[:n]) @ self._per_size) < float(np.abs(moved) @ self._per_size)
         self._new = new, a_new, s_new, dt, smooth
         if self.options.tolerance is None:
             return StepOutcome(report, new)
@@ -197,3 +207,31 @@ class GeneralizedAlphaStepper(Stepper):
         u = y**2 * (1 + 2 * x) * old.u + x**2 * (1 + 2 * y) * new.u + dt * x * y * (y * old.ud - x * new.ud)
         ud, udd, lam = (y * a + x * b for a, b in ((old.ud, new.ud), (old.udd, new.udd), (old.lam, new.lam)))
         return Point(t, u, ud, udd, lam)
+
+
+@njit
+def _predict(
+    u: Floats, ud: Floats, udd: Floats, a: Floats, dt: float, of_q: float, of_v: float, of_a: float, of_old: float,
+    q_new: Floats, v_new: Floats, a_new: Floats,
+) -> None:  # fmt: skip
+    """Coordinates q + dt v, velocities v and accelerations of_old vdot, each with its share of the algorithmic acceleration a."""
+    for i in range(len(u)):
+        q_new[i] = u[i] + dt * ud[i] + of_q * a[i]
+        v_new[i] = ud[i] + of_v * a[i]
+        a_new[i] = of_a * a[i] + of_old * udd[i]
+
+
+@njit
+def _finish(
+    u: Floats, ud: Floats, udd: Floats, a: Floats, u_new: Floats, udd_new: Floats, dt: float,
+    of_new: float, of_old: float, of_a: float, per_size: Floats, a_new: Floats,
+) -> bool:  # fmt: skip
+    """The new algorithmic acceleration, and whether the prediction with the old one came nearer than that without."""
+    for i in range(len(u)):
+        a_new[i] = of_new * udd_new[i] + of_old * udd[i] + of_a * a[i]
+    with_it = without = 0.0
+    for i in range(len(per_size)):
+        moved = u_new[i] - u[i] - dt * ud[i]
+        with_it += abs(moved - 0.5 * dt**2 * a[i]) * per_size[i]
+        without += abs(moved) * per_size[i]
+    return with_it < without

@@ -160,7 +160,7 @@ class _Probe:
         self.phi = ConstraintStack(model.constraints).phi_of_all(t, q)[equations.constraints.kept]
         rows = [model.rows[number] for number in equations.elimination.kept]
         self.held = np.array([row.constant + (row.motion.value(t) if row.motion is not None else 0.0) for row in rows])
-        plain = State(t, q, v, state.a, state.lam, state.mu, 1.0)
+        plain = State(t, q, v, state.a, state.lam, state.reaction, 1.0)
         self.signals = {s.name: np.atleast_1d(s.evaluate(plain)) for s in model.signals}
 
     def parts(self) -> tuple[Floats, ...]:
@@ -185,7 +185,7 @@ def _effect(steady: SteadyState, system: System, name: str, channel: Channel, *,
     force, phi, held, *_ = ((a - b) / (2.0 * step) for a, b in zip(ahead.parts(), behind.parts(), strict=True))
     signals = {key: (ahead.signals[key] - behind.signals[key]) / (2.0 * step) for key in ahead.signals}
     elimination = steady.equations.elimination
-    moved = elimination.G @ held
+    moved = elimination.particular(held)
     position = moved - elimination.T @ (steady.P @ (steady.J @ moved + phi))
     if accelerates and not np.any(position):
         raise DeclarationError(

@@ -198,8 +198,7 @@ class LinearModel:
         total += steady.J.T @ lam
         full = np.zeros((equations.constraints.n_all, q.shape[1]))
         full[equations.constraints.kept] = lam
-        mu = np.stack([equations.elimination.row_forces(column) for column in total.T], axis=1)
-        found = self._outputs.derivative(Change(q, v, a, full, mu))
+        found = self._outputs.derivative(Change(q, v, a, full, total))
         C, direct, rate, acceleration = np.split(found, np.cumsum([2 * k + f, m, m]), axis=1)
         return C, direct + np.stack([self._outputs.direct(e.signals) for e in self._inputs], axis=1), rate, acceleration
 

@@ -26,23 +26,23 @@ class Change:
     Args:
         q, v, a: coordinates, velocities and accelerations, shape (n_q, n).
         lam: multipliers of all rows, shape (n_all, n).
-        mu: forces of the eliminated constraints, shape (n_rows, n).
+        reaction: reaction of the eliminated constraints, shape (n_q, n).
     """
 
     q: Floats
     v: Floats
     a: Floats
     lam: Floats
-    mu: Floats
+    reaction: Floats
 
 
 class Outputs:
     """Components of signals, with their values in a state.
 
-    A derivative is the sum of three central differences: along the change of q, along that of v, and along that of (a, lam, mu).
-    Signals are at most quadratic in velocities and in forces, and most are in positions too: there central differences are exact
-    up to rounding, whatever the step. Elsewhere their error is STEP^2 / 6 of the third derivative, 1e-11, and rounding is about
-    1e-16 / STEP of the signal's value for a change by the size of the body.
+    A derivative is the sum of three central differences: along the change of q, along that of v, and along that of (a, lam,
+    reaction). Signals are at most quadratic in velocities and in forces, and most are in positions too: there central differences
+    are exact up to rounding, whatever the step. Elsewhere their error is STEP^2 / 6 of the third derivative, 1e-11, and rounding
+    is about 1e-16 / STEP of the signal's value for a change by the size of the body.
 
     Args:
         steady: the state.
@@ -80,7 +80,7 @@ class Outputs:
         size = self._steady.model.magnitude
         of_q = self._along(("q",), change, lambda d: STEP / np.abs(d["q"] / size).max())
         of_v = self._along(("v",), change, lambda d: max(np.abs(self._state.v / size).max(), 1.0) / np.abs(d["v"] / size).max())
-        return of_q + of_v + self._along(("a", "lam", "mu"), change, self._force_step)
+        return of_q + of_v + self._along(("a", "lam", "reaction"), change, self._force_step)
 
     def direct(self, effects: dict[str, Floats]) -> Floats:
         """Derivatives by an input itself, from those of signals by name, shape (n_output,)."""

@@ -13,10 +13,12 @@ def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     for k in range(0, p, 4):
         c0 = a0 + k * a_len
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
-        x0 = y[k] / a[c0 + k]
-        x1 = (y[k + 1] - a[c0 + k + 1] * x0) / a[c1 + k + 1]
-        x2 = (y[k + 2] - a[c0 + k + 2] * x0 - a[c1 + k + 2] * x1) / a[c2 + k + 2]
-        x3 = (y[k + 3] - a[c0 + k + 3] * x0 - a[c1 + k + 3] * x1 - a[c2 + k + 3] * x2) / a[c3 + k + 3]
+        # Divisions wait for nothing, so that they do not hold up what does.
+        d0, d1, d2, d3 = 1.0 / a[c0 + k], 1.0 / a[c1 + k + 1], 1.0 / a[c2 + k + 2], 1.0 / a[c3 + k + 3]
+        x0 = y[k] * d0
+        x1 = (y[k + 1] - a[c0 + k + 1] * x0) * d1
+        x2 = (y[k + 2] - a[c0 + k + 2] * x0 - a[c1 + k + 2] * x1) * d2
+        x3 = (y[k + 3] - a[c0 + k + 3] * x0 - a[c1 + k + 3] * x1 - a[c2 + k + 3] * x2) * d3
         y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
         row = k + 4
         while row % WIDTH:
@@ -34,6 +36,7 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     for k in range(p - 4, -1, -4):
         c0 = a0 + k * a_len
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
+        d0, d1, d2, d3 = 1.0 / a[c0 + k], 1.0 / a[c1 + k + 1], 1.0 / a[c2 + k + 2], 1.0 / a[c3 + k + 3]
         x0, x1, x2, x3 = y[k], y[k + 1], y[k + 2], y[k + 3]
         row = k + 4
         while row % WIDTH:
@@ -47,16 +50,23 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
             row += 1
         if row < a_len:
             s0, s1, s2, s3 = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
-            while row < a_len:
+            t0, t1, t2, t3 = s0, s1, s2, s3  # two sums of each, as additions would wait for each other
+            while row + WIDTH < a_len:
+                known, other = load_at(y, row), load_at(y, row + WIDTH)
+                s0, t0 = s0 + load_at(a, c0 + row) * known, t0 + load_at(a, c0 + row + WIDTH) * other
+                s1, t1 = s1 + load_at(a, c1 + row) * known, t1 + load_at(a, c1 + row + WIDTH) * other
+                s2, t2 = s2 + load_at(a, c2 + row) * known, t2 + load_at(a, c2 + row + WIDTH) * other
+                s3, t3 = s3 + load_at(a, c3 + row) * known, t3 + load_at(a, c3 + row + WIDTH) * other
+                row += 2 * WIDTH
+            if row < a_len:
                 known = load_at(y, row)
                 s0, s1 = s0 + load_at(a, c0 + row) * known, s1 + load_at(a, c1 + row) * known
                 s2, s3 = s2 + load_at(a, c2 + row) * known, s3 + load_at(a, c3 + row) * known
-                row += WIDTH
-            x0, x1, x2, x3 = x0 - total(s0), x1 - total(s1), x2 - total(s2), x3 - total(s3)
-        x3 = x3 / a[c3 + k + 3]
-        x2 = (x2 - a[c2 + k + 3] * x3) / a[c2 + k + 2]
-        x1 = (x1 - a[c1 + k + 3] * x3 - a[c1 + k + 2] * x2) / a[c1 + k + 1]
-        x0 = (x0 - a[c0 + k + 3] * x3 - a[c0 + k + 2] * x2 - a[c0 + k + 1] * x1) / a[c0 + k]
+            x0, x1, x2, x3 = x0 - total(s0 + t0), x1 - total(s1 + t1), x2 - total(s2 + t2), x3 - total(s3 + t3)
+        x3 = x3 * d3
+        x2 = (x2 - a[c2 + k + 3] * x3) * d2
+        x1 = (x1 - a[c1 + k + 3] * x3 - a[c1 + k + 2] * x2) * d1
+        x0 = (x0 - a[c0 + k + 3] * x3 - a[c0 + k + 2] * x2 - a[c0 + k + 1] * x1) * d0
         y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
 
 
@@ -95,3 +105,16 @@ def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floa
         _backward(c, a0, a_len, p, y)
         for i in range(p):
             x[first + i] = y[i]
+
+
+@njit
+def solve_coordinates(
+    fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, position: Ints, r: Floats, x: Floats, y: Floats, out: Floats
+) -> None:
+    """out <- (L S U)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""
+    x[:] = 0.0
+    for i in range(len(r)):
+        x[position[i]] = r[i]
+    solve(fronts, rows, a, c, signs, x, y)
+    for i in range(len(r)):
+        out[i] = x[position[i]]

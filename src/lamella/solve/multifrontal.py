@@ -28,6 +28,7 @@ class Multifrontal(SymmetricFactor):
         self._a, self._u = np.zeros(layout.size), np.zeros(layout.update_size)
         self._signs = np.ones(len(layout.coordinate))
         self._padded_at = layout.pivots[layout.padded]
+        self._z = np.zeros(len(layout.coordinate))
         self._b, self._y = np.zeros(front_kernels.BLOCK * layout.longest), np.zeros(layout.longest)
 
     def factorise(self, k: Floats) -> int:
@@ -42,17 +43,13 @@ class Multifrontal(SymmetricFactor):
 
     def solve(self, r: Floats) -> Floats:
         """K^-1 r by forward and back substitution."""
-        at = self._layout
-        z = np.zeros(len(at.coordinate))
+        at, x = self._layout, np.empty_like(r)
         if r.ndim == 1:
-            z[at.position] = r
-            front_solution.solve(at.fronts, at.rows, self._a, self._a, self._signs, z, self._y)
-            return z[at.position]
-        x, columns = np.empty_like(r), r.reshape(len(r), -1)
-        out = x.reshape(columns.shape)
+            front_solution.solve_coordinates(
+                at.fronts, at.rows, self._a, self._a, self._signs, at.position, r, self._z, self._y, x
+            )
+            return x
+        columns, out = r.reshape(len(r), -1), x.reshape(len(r), -1)
         for i in range(columns.shape[1]):
-            z[at.padded] = 0.0
-            z[at.position] = columns[:, i]
-            front_solution.solve(at.fronts, at.rows, self._a, self._a, self._signs, z, self._y)
-            out[:, i] = z[at.position]
+            out[:, i] = self.solve(np.ascontiguousarray(columns[:, i]))
         return x

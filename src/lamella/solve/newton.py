@@ -108,7 +108,7 @@ class NewtonSolver:
 
     def size(self, du: Floats) -> float:
         """Largest correction relative to the magnitude of its coordinate."""
-        return _largest(du, self._per_magnitude)
+        return float(np.max(np.abs(du * self._per_magnitude), initial=0.0))
 
     def forget(self) -> None:
         """Do not use the present factorisation again."""
@@ -122,7 +122,7 @@ class NewtonSolver:
             weights: how the unknown moves q, v and a.
             reference: coordinates q of the last solution, from which stress is extrapolated at the first iteration.
         """
-        before, start, known = None, point.u, None
+        before, start, known, n = None, point.u, None, self.equations.n_motion
         last = size = np.inf
         self._corrections.forget()
         iteration = 0
@@ -140,12 +140,15 @@ class NewtonSolver:
                 self.forget()
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
-            size = self.size(du)
+            moved = np.empty_like(point.u), np.empty_like(point.u), np.empty_like(point.u)
+            size, change = _corrected(
+                point.u, point.ud, point.udd, du, start, self._per_magnitude,
+                n, weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate, *moved,
+            )  # fmt: skip
             if not isfinite(size):
                 self.forget()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
             contraction = size / last if isfinite(last) else 0.5
-            change = _largest_change(point.u, du, start, self._per_magnitude)
             goal = max(self.options.tolerance * change, SMALLEST)
             if not fresh and isfinite(last) and not self._promising(size, contraction, goal):
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
@@ -158,7 +161,12 @@ class NewtonSolver:
                 step, known = self._descending(point, weights, r, du, dlam)
             elif self.options.line_search is True and contraction >= 1.0:
                 step = self._searched(point, weights, du, dlam)
-            self._move(point, weights, du if step == 1.0 else step * du, dlam if step == 1.0 else step * dlam)
+            if step == 1.0:
+                point.u, point.ud, point.udd = moved
+                if len(dlam):
+                    point.lam = point.lam + dlam
+            else:
+                self._move(point, weights, step * du, step * dlam)
             self.statistics.newton_iterations += 1
             if step != 1.0:
                 self._corrections.forget()
@@ -217,15 +225,11 @@ class NewtonSolver:
         return str(error) if error.index is None else self.equations.free(error.index)
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
-        if weights.alpha_a:
-            moved = np.empty_like(du), np.empty_like(du), np.empty_like(du)
-            n = self.equations.n_motion
-            _move(point.u, point.ud, point.udd, du, n, weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate, *moved)
-            point.u, point.ud, point.udd = moved
-        else:
-            point.u = point.u + weights.alpha_q * du
-        if len(dlam):
-            point.lam = point.lam + dlam
+        moved = np.empty_like(du), np.empty_like(du), np.empty_like(du)
+        n, weigh = self.equations.n_motion, (weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate)
+        _corrected(point.u, point.ud, point.udd, du, point.u, self._per_magnitude, n, *weigh, *moved)
+        point.u, point.ud, point.udd = moved
+        point.lam = point.lam + dlam
 
     def _descending(
         self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats
@@ -265,37 +269,24 @@ class NewtonSolver:
 
 
 @njit
-def _largest(x: Floats, factors: Floats) -> float:
-    """max_i |x_i factors_i|, not a number when an x_i is none; in one pass, as it is asked for twice in each iteration."""
-    largest = 0.0
-    for i in range(len(x)):
-        size = abs(x[i] * factors[i])
-        if not size <= largest:
-            largest = size
-        if size != size:
-            break
-    return largest
-
-
-@njit
-def _largest_change(x: Floats, dx: Floats, start: Floats, factors: Floats) -> float:
-    """max_i |(x_i + dx_i - start_i) factors_i|, for finite arrays."""
-    largest = 0.0
-    for i in range(len(x)):
-        largest = max(largest, abs((x[i] + dx[i] - start[i]) * factors[i]))
-    return largest
-
-
-@njit
-def _move(
-    u: Floats, ud: Floats, udd: Floats, du: Floats, n: int, alpha_q: float, alpha_v: float, alpha_a: float, rate: float,
+def _corrected(
+    u: Floats, ud: Floats, udd: Floats, du: Floats, start: Floats, per_magnitude: Floats,
+    n: int, alpha_q: float, alpha_v: float, alpha_a: float, rate: float,
     q: Floats, v: Floats, a: Floats,
-) -> None:  # fmt: skip
+) -> tuple[float, float]:  # fmt: skip
     """Coordinates q, velocities v and accelerations a after a correction du, of which ``n`` are of motion, the others of fields.
 
-    (An array returned by a kernel costs 1 us.)
+    Returns:
+        Largest entry of the correction, not a number when one is none, and of the change q - start, relative to the magnitudes.
     """
-    for i in range(n):
-        q[i], v[i], a[i] = u[i] + alpha_q * du[i], ud[i] + alpha_v * du[i], udd[i] + alpha_a * du[i]
-    for i in range(n, len(u)):
-        q[i], v[i], a[i] = u[i] + alpha_q * du[i], ud[i] + rate * du[i], 0.0
+    size = change = 0.0
+    for i in range(len(u)):
+        weight = alpha_v if i < n else rate
+        q[i], v[i], a[i] = u[i] + alpha_q * du[i], ud[i] + weight * du[i], udd[i] + alpha_a * du[i] if i < n else 0.0
+        one = abs(du[i] * per_magnitude[i])
+        if not one <= size:
+            size = one
+            if one != one:
+                break
+        change = max(change, abs((q[i] - start[i]) * per_magnitude[i]))
+    return size, change

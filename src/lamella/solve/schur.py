@@ -9,6 +9,7 @@ from scipy.linalg import get_lapack_funcs
 from lamella.errors import SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import BACKWARD_ERROR_LIMIT, PIVOT_TOLERANCE, LinearSolver, SymmetricFactor, not_finite, singular
+from lamella.solve.null_space_kernels import product
 from lamella.solve.saddle import probe
 
 _potrf, _potrs = get_lapack_funcs(("potrf", "potrs"), dtype=np.float64)
@@ -32,6 +33,7 @@ class SchurSolver(LinearSolver):
         self.pattern, self._factor = factor.pattern, factor
         self._probe = probe(factor.pattern.n)
         self._negative: int | None = None
+        self._j_indptr, self._j_indices = factor.pattern.j_indptr.astype(np.int64), factor.pattern.j_indices.astype(np.int32)
 
     @property
     def negative_pivots(self) -> int | None:
@@ -79,9 +81,10 @@ class SchurSolver(LinearSolver):
     def _complement(self, j: Floats) -> tuple[int, int]:
         """Form and invert S; -1 or the multiplier (behind the coordinates) that is free, and its negative eigenvalues."""
         n = self.pattern.n
-        self._j = self.pattern.jacobian(j.copy())
-        self._k_inv_jt = self._factor.solve(np.asfortranarray(self._j.toarray().T))
-        schur = np.asfortranarray(self._j @ self._k_inv_jt)
+        self._j_values = j.copy()
+        jacobian = self.pattern.jacobian(self._j_values)
+        self._k_inv_jt = self._factor.solve(np.asfortranarray(jacobian.toarray().T))
+        schur = np.asfortranarray(jacobian @ self._k_inv_jt)
         diagonal = np.abs(schur.diagonal())
         if self._factor.negative_pivots == 0:
             factor, info = _potrf(schur, lower=1)
@@ -104,10 +107,11 @@ class SchurSolver(LinearSolver):
         if self._negative is None:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
         x = self._factor.solve(r)
-        y = np.zeros(self.pattern.n_lam)
+        y, d = np.zeros(self.pattern.n_lam), np.empty(self.pattern.n_lam)
         if self.pattern.n_lam:
             for _ in range(2):
-                dy = self._solve_complement(self._j @ x - s)
+                product(self._j_indptr, self._j_indices, self._j_values, x, d)
+                dy = self._solve_complement(d - s)
                 y += dy
                 x -= self._k_inv_jt @ dy
         return x, y

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella._jit import njit
+from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 
@@ -32,61 +33,89 @@ class SecantCorrections:
 
     def __init__(self, linear: LinearSolver) -> None:
         self.linear, self._n_u = linear, linear.pattern.n
-        n = self._n_u + linear.pattern.n_lam
-        self._s, self._y, self._sy, self._shares = np.zeros((MEMORY, n)), np.zeros((MEMORY, n)), np.ones(MEMORY), np.zeros(MEMORY)
+        self._n = n = linear.pattern.n + linear.pattern.n_lam
+        padded = -(-n // WIDTH) * WIDTH
+        self._s, self._y = np.zeros(MEMORY * padded), np.zeros(MEMORY * padded)
+        self._sy, self._shares = np.ones(MEMORY), np.zeros(MEMORY)
+        self._g, self._z, self._h = np.zeros(padded), np.zeros(padded), np.zeros(padded)
+        self._h_u, self._h_lam = self._h[: self._n_u], self._h[self._n_u : n]
+        self._du, self._dlam = self._z[: self._n_u], self._z[self._n_u : n]
         self.forget()
 
     def forget(self) -> None:
         """Start anew: the factorisation, or what is solved, is another one."""
-        self._count, self._last = 0, None
+        self._learnt, self._corrected = 0, False
 
     def __call__(self, r: Floats, phi: Floats) -> tuple[Floats, Floats]:
-        """The correction du (n_u,), dlam (n_lam,), which is taken to be made before the next call."""
-        g = np.concatenate([r, phi]) if len(phi) else r
-        if self._last is not None and self.linear.pattern.symmetric:
-            self._count = _learn(g, *self._last, self._s, self._y, self._sy, self._count)
-        h = g
-        if self._count:
-            h = np.empty_like(g)
-            _before(g, self._s, self._y, self._sy, self._count, self._shares, h)
-        x, lam = self.linear.solve(h[: self._n_u], h[self._n_u :])
-        z = np.concatenate([x, lam]) if len(lam) else x
-        _after(z, self._s, self._y, self._sy, self._count, self._shares)
-        self._last = g, z
-        return z[: self._n_u], z[self._n_u :]
+        """The correction du (n_u,), dlam (n_lam,), which is taken to be made before the next call, and is overwritten by that."""
+        learns = self._corrected and self.linear.pattern.symmetric
+        self._learnt = _before(
+            r, phi, learns, self._learnt, self._s, self._y, self._sy, self._shares, self._g, self._z, self._h
+        )  # fmt: skip
+        x, lam = self.linear.solve(self._h_u, self._h_lam)
+        _after(x, lam, self._learnt, self._s, self._y, self._sy, self._shares, self._z)
+        self._corrected = True
+        return self._du, self._dlam
 
 
 @njit
-def _learn(g: Floats, g_last: Floats, s_last: Floats, s: Floats, y: Floats, sy: Floats, count: int) -> int:
-    """Remember the last correction, unless it met too little stiffness; the number of secants remembered.
+def _dot(a: Floats, at: int, x: Floats) -> float:
+    """a[at : at + n] . x"""
+    sums = spread(0.0)
+    for i in range(0, len(x), WIDTH):
+        sums = sums + load_at(a, at + i) * load_at(x, i)
+    return total(sums)
 
-    The factorised matrix A, with older secants, has the stiffness s.A s = -s.g at the last residual.
+
+@njit
+def _add(x: Floats, factor: float, a: Floats, at: int) -> None:
+    """x += factor a[at : at + n]"""
+    for i in range(0, len(x), WIDTH):
+        store_at(x, i, load_at(x, i) + factor * load_at(a, at + i))
+
+
+@njit
+def _before(
+    r: Floats, phi: Floats, learns: bool, learnt: int,
+    s: Floats, y: Floats, sy: Floats, shares: Floats, g: Floats, z: Floats, h: Floats,
+) -> int:  # fmt: skip
+    """h <- (I - y s^T / s.y) ... (r, phi), the latest first; ``shares`` keeps s.g / s.y of each.
+
+    Before that the last correction z is remembered, if ``learns`` and unless it met too little stiffness. The factorised matrix
+    A, with older secants, has the stiffness s.A s = -s.g at the last residual g. Secant number i lies in row i % MEMORY.
+
+    Returns:
+        The number of secants learnt, of which the last ``MEMORY`` are remembered.
     """
-    change = g - g_last
-    product, expected = s_last @ change, -(s_last @ g_last)
-    if not product * expected > LEAST_SHARE * expected**2:
-        return count
-    if count == MEMORY:
-        count -= 1
-        for i in range(count):
-            s[i], y[i], sy[i] = s[i + 1], y[i + 1], sy[i + 1]
-    s[count], y[count], sy[count] = s_last, change, product
-    return count + 1
+    n = len(h)
+    h[: len(r)] = r
+    h[len(r) : len(r) + len(phi)] = phi
+    if learns:
+        stiffness = -_dot(z, 0, g)
+        product = _dot(z, 0, h) + stiffness
+        if product * stiffness > LEAST_SHARE * stiffness**2:
+            row = learnt % MEMORY
+            for i in range(0, n, WIDTH):
+                store_at(s, row * n + i, load_at(z, i))
+                store_at(y, row * n + i, load_at(h, i) - load_at(g, i))
+            sy[row] = product
+            learnt += 1
+    g[:] = h
+    for i in range(learnt - 1, max(learnt - MEMORY, 0) - 1, -1):
+        row = i % MEMORY
+        shares[row] = _dot(s, row * n, h) / sy[row]
+        _add(h, -shares[row], y, row * n)
+    return learnt
 
 
 @njit
-def _before(g: Floats, s: Floats, y: Floats, sy: Floats, count: int, shares: Floats, h: Floats) -> None:
-    """h <- (I - y s^T / s.y) ... g, the latest first; ``shares`` keeps s.g / s.y of each."""
-    h[:] = g
-    for i in range(count - 1, -1, -1):
-        shares[i] = (s[i] @ h) / sy[i]
-        h -= shares[i] * y[i]
-
-
-@njit
-def _after(z: Floats, s: Floats, y: Floats, sy: Floats, count: int, shares: Floats) -> None:
-    """z <- minus (I - s y^T / s.y) z + share s, the latest last."""
-    for i in range(count):
-        z += (shares[i] - (y[i] @ z) / sy[i]) * s[i]
-    for i in range(len(z)):
+def _after(x: Floats, lam: Floats, learnt: int, s: Floats, y: Floats, sy: Floats, shares: Floats, z: Floats) -> None:
+    """z <- minus (I - s y^T / s.y) (x, lam) + share s, the latest last."""
+    n = len(z)
+    z[: len(x)] = x
+    z[len(x) : len(x) + len(lam)] = lam
+    for i in range(max(learnt - MEMORY, 0), learnt):
+        row = i % MEMORY
+        _add(z, shares[row] - _dot(y, row * n, z) / sy[row], s, row * n)
+    for i in range(n):
         z[i] = -z[i]

@@ -151,7 +151,7 @@ def spinning_hub(references: References) -> Iterator[Evidence]:
     for torque in (HUB_STEP, -HUB_STEP):
         inertial = hub(torque, spin=False).compile()
         v = np.cross([0.0, 0.0, OMEGA], state.q.reshape(-1, 3)).reshape(-1)
-        start = State(0.0, state.q, v, np.zeros_like(v), np.zeros(inertial.n_lam), state.mu)
+        start = State(0.0, state.q, v, np.zeros_like(v), np.zeros(inertial.n_lam), state.reaction)
         runs.append(lm.simulate(inertial, 0.15, method, initial=start))
     angles = [run["pin.angle"].values for run in runs]
     frame = 0.5 * (angles[0] + angles[1])  # its own lag behind Omega t, 1e-5, would turn some of the way across into one along
