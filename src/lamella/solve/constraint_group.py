@@ -29,6 +29,7 @@ class Group:
     def __init__(self, rows: Ints, coords: Ints, pattern: Pattern) -> None:
         self.rows, self.coords = rows, coords
         self.n_motion = max(len(coords) - len(rows), 0)
+        self.N, self.P = np.zeros((len(coords), self.n_motion)), np.zeros((len(coords), len(rows)))
         row_of, column_of = pattern.j_rows, np.asarray(pattern.j_indices, np.int64)
         self._entries = np.flatnonzero(np.isin(row_of, rows))
         self._places = np.searchsorted(coords, column_of[self._entries]), np.searchsorted(rows, row_of[self._entries])
@@ -62,8 +63,8 @@ class Group:
         Q[:, :n_lam] = qr
         Q = _orgqr(Q, tau, overwrite_a=1)[0]
         Q /= d[:, None]
-        self.N = np.ascontiguousarray(Q[:, n_lam:])
-        self.P = _trtrs(qr[:n_lam], Q[:, :n_lam].T)[0].T
+        self.N[:] = Q[:, n_lam:]
+        self.P[:] = _trtrs(qr[:n_lam], Q[:, :n_lam].T)[0].T
         return -1
 
 

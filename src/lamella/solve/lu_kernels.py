@@ -8,10 +8,26 @@ L and U^T are two lower triangles, held in two sets of panels and updates that a
 # pyright: reportUnusedExpression=false
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from lamella._jit import njit
 from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
+
+
+class Entries(NamedTuple):
+    """Values of a matrix, front after front, so that a panel is filled just before it is factorised.
+
+    Args:
+        sources: number of each value.
+        slots: its place in the panels.
+        starts: where the values of each front begin.
+    """
+
+    sources: Indices
+    slots: Indices
+    starts: Ints
 
 
 @njit
@@ -118,15 +134,15 @@ def _factorise_front(
 
 @njit
 def factorise(
-    k: Floats, slots: Indices, ones_at: Ints, fronts: Ints, runs: Ints, limits: Floats,
+    k: Floats, entries: Entries, ones_at: Ints, fronts: Ints, runs: Ints, limits: Floats,
     panels: Floats, a: Floats, c: Floats, u: Floats, v: Floats, ones: Floats, b: Floats,
 ) -> int:  # fmt: skip
     """Factorise all fronts, children before parents.
 
     Args:
         k: values of the matrix.
-        slots: place of each value in ``panels``.
-        ones_at: positions in ``a`` of padded pivots.
+        entries: where its values go.
+        ones_at: positions in ``a`` of padded pivots, ascending.
         fronts, runs: as in :func:`lamella.solve.front_kernels.factorise`.
         limits: magnitude that a pivot must exceed, by position.
         panels: all panels.
@@ -138,14 +154,17 @@ def factorise(
     Returns:
         -1, or the position whose pivot is within its limit.
     """
-    for i in range(len(panels)):
-        panels[i] = 0.0
-    for i in range(len(k)):
-        panels[slots[i]] = k[i]
-    for i in range(len(ones_at)):
-        a[ones_at[i]] = 1.0
+    padded = 0
     for f in range(len(fronts) - 1):
         first, p, a_len, a0, u_len, u0 = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
+        end = a0 + p * a_len
+        clear(a, a0, p * a_len)
+        clear(c, a0, p * a_len)
+        for i in range(entries.starts[f], entries.starts[f + 1]):
+            panels[entries.slots[i]] = k[entries.sources[i]]
+        while padded < len(ones_at) and ones_at[padded] < end:
+            a[ones_at[padded]] = 1.0
+            padded += 1
         clear(u, u0, u_len * u_len)
         clear(v, u0, u_len * u_len)
         child = fronts[f, 9]
