@@ -27,9 +27,10 @@ class Sheet(NamedTuple):
     Args:
         coords: coordinate of each element vector's component, (element, vector, component) flat.
         scale: factor from global to element coordinates, (element, vector) flat.
-        columns: shape functions, (vector, point) flat, points filled up to whole lanes.
+        columns: shape functions, (vector, point) flat, points filled up to whole lanes by the last one.
         rows: the same as (point, vector), vectors filled up.
         area: reference area of each point [m^2], (element, point) flat.
+        areas: the same with points filled up by zeros.
         half_thickness: of each element [m].
         largest: largest value of each shape function at the points.
         corners: largest sum of the values of the functions of positions.
@@ -43,6 +44,7 @@ class Sheet(NamedTuple):
     columns: Floats
     rows: Floats
     area: Floats
+    areas: Floats
     half_thickness: Floats
     largest: Floats
     corners: float
@@ -66,16 +68,18 @@ def sheet_of(mesh: PlateMesh, n: int) -> Sheet:
     S = mesh.element.shape(*places(n))[0]
     vectors, points = -(-n_vector // WIDTH) * WIDTH, -(-n * n // WIDTH) * WIDTH
     columns, rows = aligned(n_vector * points), aligned(n * n * vectors)
-    columns.reshape(n_vector, points)[:, : n * n] = S.T
+    columns.reshape(n_vector, points)[:] = np.concatenate([S, np.repeat(S[-1:], points - n * n, axis=0)]).T
     rows.reshape(n * n, vectors)[:, :n_vector] = S
     factors = np.ones(n_element) if mesh.thickness_factors is None else mesh.thickness_factors
     largest, per_node = np.abs(S).max(axis=0), mesh.element.vectors_per_node
+    area = cell_areas(mesh, n)
     return Sheet(
         np.ascontiguousarray(mesh.coords).reshape(-1),
         np.ascontiguousarray(mesh.scale[:, ::3]).reshape(-1),
         columns,
         rows,
-        cell_areas(mesh, n).reshape(-1),
+        area.reshape(-1),
+        _filled_up(area, points),
         0.5 * mesh.laminate.h * factors,
         largest,
         float(np.abs(S[:, ::per_node]).sum(axis=1).max()),
@@ -86,6 +90,13 @@ def sheet_of(mesh: PlateMesh, n: int) -> Sheet:
         points,
         per_node,
     )
+
+
+def _filled_up(values: Floats, points: int) -> Floats:
+    """(element, point) with points filled up by zeros, flat."""
+    out = aligned(len(values) * points)
+    out.reshape(-1, points)[:, : values.shape[1]] = values
+    return out
 
 
 def cell_areas(mesh: PlateMesh, n: int) -> Floats:
