@@ -89,11 +89,17 @@ def changes_by_place(obstacle: Obstacle, law: Law, rel: Relative, c: Force, alph
 
 
 @inlined
+def _store_row(work: Floats, at: int, step: int, u: Vector) -> None:
+    store_at(work, at, u[0])
+    store_at(work, at + step, u[1])
+    store_at(work, at + 2 * step, u[2])
+
+
+@inlined
 def _store(work: Floats, at: int, step: int, A: Matrix) -> None:
-    for j in range(3):
-        store_at(work, at + j * step, A[0][j])
-        store_at(work, at + (12 + j) * step, A[1][j])
-        store_at(work, at + (24 + j) * step, A[2][j])
+    _store_row(work, at, step, A[0])
+    _store_row(work, at + 12 * step, step, A[1])
+    _store_row(work, at + 24 * step, step, A[2])
 
 
 @inlined

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lamella._jit import inlined, njit
+from lamella._jit import inlined, kernel
 from lamella.contact.gap import Obstacle, distance, gap, positive
 from lamella.contact.point import Axes, Force, Law, Relative, components, contact, tangential, weighted
 from lamella.contact.sheet import Sheet, gather, interpolate, near
@@ -117,8 +117,9 @@ def force_at(
     area = load_at(sheet.areas, element * sheet.points + p)
     c = contact(law, at, chosen(at.g, 0.0, area), rel)
     to = pushes(sheet) + place
-    for k in range(3):
-        store_at(work, to + k * sheet.points, c.h[k])
+    store_at(work, to, c.h[0])
+    store_at(work, to + sheet.points, c.h[1])
+    store_at(work, to + 2 * sheet.points, c.h[2])
     return c
 
 
@@ -163,8 +164,9 @@ def add_to_element(sheet: Sheet, points: Ints, places: Ints, count: int, work: F
 @inlined
 def add_lanes(work: Floats, at: int, u: Vector) -> None:
     """Add to three lanes of work."""
-    for k in range(3):
-        store_at(work, at + k * WIDTH, load_at(work, at + k * WIDTH) + u[k])
+    store_at(work, at, load_at(work, at) + u[0])
+    store_at(work, at + WIDTH, load_at(work, at + WIDTH) + u[1])
+    store_at(work, at + 2 * WIDTH, load_at(work, at + 2 * WIDTH) + u[2])
 
 
 @inlined
@@ -194,7 +196,7 @@ def touching(sheet: Sheet, element: int, p: int, place: int, g: Any, work: Float
     return count
 
 
-@njit
+@kernel
 def force(
     q: Floats, v: Floats, moving: bool, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats,
     work: Floats, points: Ints, places: Ints, f: Floats, totals: Floats, field: Floats,
@@ -298,7 +300,7 @@ def _bristle_energy(law: Law, area: Any, rel: Relative, c: Force) -> tuple[Any, 
     return chosen(length, stored, 0.0), chosen(length, power, 0.0)
 
 
-@njit
+@kernel
 def advance(q: Floats, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats, work: Floats) -> float:
     """Let bristles that are stretched beyond their limit slide, and those of points that do not touch go along with them.
 

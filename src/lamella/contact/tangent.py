@@ -11,7 +11,7 @@ then stay in registers, and each entry of the buffer is written once:
 
 from __future__ import annotations
 
-from lamella._jit import inlined, njit
+from lamella._jit import inlined, kernel
 from lamella.contact.change import store_changes
 from lamella.contact.gap import Obstacle
 from lamella.contact.kernels import (
@@ -36,8 +36,9 @@ from lamella.roles import Bools, Floats, Ints
 
 @inlined
 def _store_row(k: Floats, to: int, step: int, row: Vector) -> None:
-    for j in range(3):
-        store_at(k, to + j * step, row[j])
+    store_at(k, to, row[0])
+    store_at(k, to + step, row[1])
+    store_at(k, to + 2 * step, row[2])
 
 
 @inlined
@@ -92,7 +93,7 @@ def _weighted_sums(
         _store_row(k, to + 2 * row_step + b, step, (zx, zy, zz))
 
 
-@njit
+@kernel
 def _body_blocks(
     sheet: Sheet, points: Ints, places: Ints, count: int, groups: int, work: Floats, kept: int, k: Floats,
     by_body: int, of_body: int,
@@ -116,7 +117,7 @@ def _body_blocks(
         store_at(work, at, value)
 
 
-@njit
+@kernel
 def force_tangent(
     q: Floats, v: Floats, moving: bool, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats,
     alpha_q: float, alpha_v: float, work: Floats, points: Ints, places: Ints, f: Floats, k: Floats, used: Bools,

@@ -39,10 +39,11 @@ class NullSpaceSolver(LinearSolver):
         self.pattern = pattern
         self._groups = groups_of(pattern)
         self._map = Reduction(pattern, self._groups)
-        self._lu = MultifrontalLU(self._map.reduced)
+        self._lu = MultifrontalLU(self._map.reduced, self._map.sources)
         reduced, position = self._map.reduced, self._lu.position
-        self._k = np.zeros(len(reduced.indices))
-        self._rows = Rows(position, reduced.indptr, position[reduced.indices].astype(np.int32))
+        self._k = np.zeros(0)
+        columns, sources = (x.astype(np.int32) for x in (position[reduced.indices], self._map.sources))
+        self._rows = Rows(position, reduced.indptr, columns, sources)
         self._motions = self._map.motions(position)
         # By position, with zeros where the factorisation has filled up:
         self._probe, self._b, self._z, self._off = (np.zeros(self._lu.n) for _ in range(4))
@@ -70,16 +71,18 @@ class NullSpaceSolver(LinearSolver):
             repeated = group.decompose(j, stiffness)
             if repeated >= 0:
                 return self.pattern.n + repeated
-        self._map.reduce(k, self._k)
-        free = self._lu.factorise(self._k)
+        self._map.reduce(k)
+        free = self._lu.factorise(k, self._map.mixed)
         if free < 0:
-            error, worst = self._backward_error()
+            error, worst = self._backward_error(k)
             self._refine = error > REFINE_ABOVE
+            if self._refine:
+                self._k = k.copy()
             self._usable = error <= BACKWARD_ERROR_LIMIT
             free = -1 if self._usable else worst
         return -1 if free < 0 else self._map.coordinate_of(free)
 
-    def _backward_error(self) -> tuple[float, int]:
+    def _backward_error(self, k: Floats) -> tuple[float, int]:
         """Largest |A z - b| / (|z| + |b|) of a known system, scaled to a diagonal of 1, and where it is.
 
         It is infinite when the matrix is singular; then the motion is told in which z is largest.
@@ -87,7 +90,7 @@ class NullSpaceSolver(LinearSolver):
         b, z, off, magnitude = self._b, self._z, self._off, self._lu.magnitude
         scaled(magnitude, self._probe, b, z)
         self._lu.solve(z)
-        residual(self._rows, self._k, b, z, off)
+        residual(self._rows, k, self._map.mixed, b, z, off)
         error, worst, size, softest = largest(magnitude, off, z)
         if not size < CONDITION_LIMIT:
             return np.inf, self._lu.coordinate_at(softest)
@@ -103,7 +106,7 @@ class NullSpaceSolver(LinearSolver):
             self._b[:] = z
         self._lu.solve(z)
         if self._refine:
-            residual(self._rows, self._k, self._b, z, self._off)
+            residual(self._rows, self._k, self._map.mixed, self._b, z, self._off)
             self._lu.solve(self._off)
             z += self._off
         spread(r, z, self._motions, self._map.down, self._map.core, rest, x, y)

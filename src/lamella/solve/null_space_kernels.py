@@ -6,18 +6,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lamella._jit import njit
+from lamella._jit import kernel
 from lamella.roles import Floats, Indices, Ints
+from lamella.solve.lu_kernels import value
 
 TINY = float(np.finfo(float).tiny)
 
 
 class Rows(NamedTuple):
-    """A matrix in compressed rows: number of each row, where each begins in its values, and the column of each of these."""
+    """A matrix in compressed rows: number of each row, where each begins, and the column of each entry with the source of its
+    value, see :class:`lamella.solve.lu_kernels.Entries`.
+    """
 
     rows: Ints
     starts: Ints
     columns: Indices
+    sources: Indices
 
 
 class Motions(NamedTuple):
@@ -68,15 +72,7 @@ class Core(NamedTuple):
     values: Floats
 
 
-@njit
-def couple(k: Floats, source: Indices, slots: Indices, out: Floats) -> None:
-    """out[slots] = k[source], all else zero."""
-    out[:] = 0.0
-    for e in range(len(source)):
-        out[slots[e]] = k[source[e]]
-
-
-@njit
+@kernel
 def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats, kept: Floats, out: Floats) -> None:
     """Keep the values of a panel K_fg (f, m), and write K_fg N (f, n) to out[slots[f] + n stride].
 
@@ -99,7 +95,7 @@ def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats
             out[slots[f] + a * stride] = total
 
 
-@njit
+@kernel
 def reduce_core(values: Floats, mixed: Ints, weights: Floats, out: Floats) -> None:
     """Add N_g^T K_gh N_h: value, place, length of the rows there, weights and motions of row and of column; (n, 7)."""
     for e in range(len(mixed)):
@@ -111,7 +107,7 @@ def reduce_core(values: Floats, mixed: Ints, weights: Floats, out: Floats) -> No
                 out[slot + a * stride + b] += part * weights[of_column + b]
 
 
-@njit
+@kernel
 def scaled(magnitude: Floats, probe: Floats, b: Floats, z: Floats) -> None:
     """A right-hand side b, and z, from the probe and the diagonal's magnitude."""
     for i in range(len(b)):
@@ -119,18 +115,18 @@ def scaled(magnitude: Floats, probe: Floats, b: Floats, z: Floats) -> None:
         z[i] = b[i]
 
 
-@njit
-def residual(A: Rows, k: Floats, b: Floats, x: Floats, rest: Floats) -> None:
+@kernel
+def residual(A: Rows, k: Floats, more: Floats, b: Floats, x: Floats, rest: Floats) -> None:
     """rest = b - A x, in compressed rows; zero in the rows that A has not."""
     rest[:] = 0.0
     for i in range(len(A.rows)):
         total = 0.0
         for e in range(A.starts[i], A.starts[i + 1]):
-            total += k[e] * x[A.columns[e]]
+            total += value(k, more, A.sources[e]) * x[A.columns[e]]
         rest[A.rows[i]] = b[A.rows[i]] - total
 
 
-@njit
+@kernel
 def largest(magnitude: Floats, rest: Floats, x: Floats) -> tuple[float, int, float, int]:
     """Largest entries of the residual and of the solution of a matrix scaled to a diagonal of 1, each with its place.
 
@@ -149,13 +145,17 @@ def largest(magnitude: Floats, rest: Floats, x: Floats) -> tuple[float, int, flo
     return error, worst, size, softest
 
 
-@njit
+@kernel
 def gather(r: Floats, s: Floats, at: Motions, right: Panels, core: Core, x: Floats, rest: Floats, z: Floats) -> None:
     """z = N^T (r - K P s) by position, and x = P s."""
     z[:] = 0.0
     x[:] = 0.0
-    rest[:] = r
-    if np.any(s):
+    for i in range(len(r)):
+        rest[i] = r[i]
+    violated = False
+    for a in range(len(s)):
+        violated = violated or s[a] != 0.0
+    if violated:
         for g in range(len(at.coords_at) - 1):
             first, m = at.coords_at[g], at.coords_at[g + 1] - at.coords_at[g]
             row, n = at.rows_at[g], at.rows_at[g + 1] - at.rows_at[g]
@@ -174,7 +174,7 @@ def gather(r: Floats, s: Floats, at: Motions, right: Panels, core: Core, x: Floa
                 z[at.place[motion + a]] += at.N[at.N_at[g] + i * n + a] * rest[at.coords[first + i]]
 
 
-@njit
+@kernel
 def spread(r: Floats, z: Floats, at: Motions, down: Panels, core: Core, rest: Floats, x: Floats, y: Floats) -> None:
     """x += N z, z by position, and y = P^T (r - K x)."""
     for i in range(len(at.free)):
@@ -185,7 +185,8 @@ def spread(r: Floats, z: Floats, at: Motions, down: Panels, core: Core, rest: Fl
         for i in range(m):
             for a in range(n):
                 x[at.coords[first + i]] += at.N[at.N_at[g] + i * n + a] * z[at.place[motion + a]]
-    rest[:] = r
+    for i in range(len(r)):
+        rest[i] = r[i]
     _subtract_transposed(down, at, x, rest)
     _subtract_core(core, x, rest)
     for g in range(len(at.coords_at) - 1):
@@ -196,14 +197,14 @@ def spread(r: Floats, z: Floats, at: Motions, down: Panels, core: Core, rest: Fl
                 y[at.rows[row + a]] += at.P[at.P_at[g] + i * n + a] * rest[at.coords[first + i]]
 
 
-@njit
+@kernel
 def _subtract_core(core: Core, x: Floats, out: Floats) -> None:
     """out -= K x for entries between constrained coordinates."""
     for e in range(len(core.rows)):
         out[core.rows[e]] -= core.values[e] * x[core.cols[e]]
 
 
-@njit
+@kernel
 def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
     """out_f -= K_fg x_g for all groups g."""
     for g in range(len(panels.near_at) - 1):
@@ -217,7 +218,7 @@ def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -
             at += m
 
 
-@njit
+@kernel
 def _subtract_transposed(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
     """out_g -= K_fg^T x_f for all groups g."""
     for g in range(len(panels.near_at) - 1):

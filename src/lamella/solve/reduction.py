@@ -10,7 +10,7 @@ import numpy as np
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.constraint_group import Group
-from lamella.solve.null_space_kernels import Core, Motions, Panels, couple, reduce_core, reduce_panel
+from lamella.solve.null_space_kernels import Core, Motions, Panels, reduce_core, reduce_panel
 
 Lookup = Callable[[Ints, Ints], Ints]
 """Number of an entry by its row and column, -1 where there is none."""
@@ -84,6 +84,8 @@ class Reduction:
 
     Attributes:
         reduced: pattern of N^T K N, all entries.
+        sources: number of the entry of K that an entry of N^T K N is, or -1 less its number among ``mixed``.
+        mixed: entries of N^T K N in rows or columns of motions of groups.
         right, down, core: entries of K in rows or columns of groups, as the last call of :meth:`reduce` found them.
     """
 
@@ -106,9 +108,14 @@ class Reduction:
             width[group.coords] = group.n_motion
         self._moves = width > 0
         self.reduced = _reduced(rows, cols, number, width, self._n)
-        slot = _lookup(self.reduced.rows, self.reduced.indices, np.arange(len(self.reduced.indices)), self._n)
+        place = _lookup(self.reduced.rows, self.reduced.indices, np.arange(len(self.reduced.indices)), self._n)
         free = (owner[rows] < 0) & (owner[cols] < 0)
-        self._plain = source[free].astype(np.int32), slot(number[rows[free]], number[cols[free]]).astype(np.int32)
+        mixed = np.ones(len(self.reduced.indices), bool)
+        mixed[place(number[rows[free]], number[cols[free]])] = False
+        self.sources = -np.cumsum(mixed)
+        self.sources[place(number[rows[free]], number[cols[free]])] = source[free]
+        slot = _lookup(self.reduced.rows[mixed], self.reduced.indices[mixed], np.arange(np.count_nonzero(mixed)), self._n)
+        self.mixed = np.zeros(np.count_nonzero(mixed))
         self._free, self._number_of_free = np.flatnonzero(owner < 0), number[owner < 0]
         entry = _lookup(rows, cols, source, pattern.n)
         panels: list[tuple[_Part, _Part]] = []
@@ -173,9 +180,10 @@ class Reduction:
         last = np.max(self._numbers[self._moves & (self._numbers <= motion)])
         return int(np.flatnonzero(self._moves & (self._numbers == last))[0])
 
-    def reduce(self, k: Floats, out: Floats) -> None:
-        """Values of N^T K N in the order of the pattern ``reduced``; entries of K with groups are kept."""
-        couple(k, *self._plain, out)
+    def reduce(self, k: Floats) -> None:
+        """Set ``mixed``; entries of K with groups are kept."""
+        out = self.mixed
+        out[:] = 0.0
         self._right.reduce(k, self._groups, out)
         self._down.reduce(k, self._groups, out)
         if self._groups:
