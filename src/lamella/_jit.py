@@ -79,10 +79,24 @@ CACHE_FOLDER = _cache_folder()
 
 def njit(function: Function) -> Function:
     """Compile a kernel without the interpreter; the machine code is cached in :data:`CACHE_FOLDER`."""
+    return _compiled(function)
+
+
+def kernel(function: Function) -> Function:
+    """As :func:`njit`, for a kernel that makes no arrays, so that references to them need not be counted.
+
+    Numba counts each array that a function is called with up and down again, atomically, also where the call is inlined: some
+    40 cycles an array, which in loops over points or small blocks cost more than the arithmetic. A kernel that makes arrays
+    after all does not compile: "NRT required but not enabled".
+    """
+    return _compiled(function, _nrt=False)
+
+
+def _compiled(function: Function, **options: bool) -> Function:
     user_setting = config.CACHE_DIR
     config.CACHE_DIR = str(CACHE_FOLDER)  # read once, while the function is decorated; other packages keep their setting
     try:
-        return cast("Function", numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy")(function))
+        return cast("Function", numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy", **options)(function))
     finally:
         config.CACHE_DIR = user_setting
 

@@ -114,6 +114,53 @@ def _overload_sqrt(value):  # noqa: ANN001, ANN202 - Numba compares this signatu
     return lambda value: math.sqrt(value)
 
 
+@intrinsic
+def _lane_chosen(typing_context: Any, condition: types.Type, one: types.Type, other: types.Type) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        positive = builder.fcmp_ordered(">", args[0], ir.Constant(_VECTOR, [0.0] * WIDTH))
+        return builder.select(positive, _as_lane(builder, args[1]), _as_lane(builder, args[2]))
+
+    return Lane(Lane, one, other), generate
+
+
+def chosen(condition: Any, one: Any, other: Any) -> Any:
+    """``one`` where the condition is above zero, else ``other``; in kernels also of lanes. Both are computed."""
+    return np.where(condition > 0.0, one, other)
+
+
+@overload(chosen, jit_options={"forceinline": True})
+def _overload_chosen(condition, one, other):  # noqa: ANN001, ANN202
+    if isinstance(condition, LaneType):
+        return lambda condition, one, other: _lane_chosen(condition, one, other)
+    return lambda condition, one, other: one if condition > 0.0 else other
+
+
+@intrinsic
+def _lane_power(typing_context: Any, base: types.Type, exponent: types.Type) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        double, result = ir.DoubleType(), ir.Constant(_VECTOR, ir.Undefined)
+        power = cgutils.get_or_insert_function(builder.module, ir.FunctionType(double, [double, double]), "llvm.pow.f64")
+        for i in range(WIDTH):
+            place = ir.Constant(ir.IntType(32), i)
+            one = builder.call(power, [builder.extract_element(args[0], place), args[1]])
+            result = builder.insert_element(result, one, place)
+        return result
+
+    return Lane(Lane, types.float64), generate
+
+
+def power(base: Any, exponent: float) -> Any:
+    """``base ** exponent``; in kernels also of a lane."""
+    return base**exponent
+
+
+@overload(power, jit_options={"forceinline": True})
+def _overload_power(base, exponent):  # noqa: ANN001, ANN202
+    if isinstance(base, LaneType):
+        return lambda base, exponent: _lane_power(base, exponent)
+    return lambda base, exponent: base**exponent
+
+
 def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [builder.mul(index, ir.Constant(index.type, stride))]), _VECTOR.as_pointer())

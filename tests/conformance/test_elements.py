@@ -9,6 +9,7 @@ import pytest
 from shell_patch import SURFACES, dense, derivative, gathered_force, patch, random_rotation, section, turned
 
 from lamella.element import ELEMENTS
+from lamella.element.packing import aligned
 from lamella.element.plate48.damping import MassDampingBlock
 from lamella.element.plate48.damping_small import small_damping
 from lamella.element.plate48.framed_shape import framed_shape
@@ -462,6 +463,41 @@ def test_damping_tangent(mesh, rng, options, alpha_q, alpha_v):
     numeric = derivative(lambda h: gathered_force(block, q + alpha_q * h * d, v + alpha_v * h * d), 2e-4)
     np.testing.assert_allclose(f, gathered_force(block, q, v), rtol=1e-14)
     np.testing.assert_allclose(K @ d, numeric, atol=1e-9 * np.abs(numeric).max())
+
+
+def test_damped_shell_is_the_sum_of_both_blocks(mesh, rng, options):
+    """With the extrapolated geometric part of the elastic one, and energy and power apart."""
+    C = section(rng)
+    shells = SHELLS[mesh.element.name]
+    both = shells.damped("plate", *mesh.tables, Section(C, **options), 0.3)
+    parts = (
+        shells.strain_models["exact"]("plate", *mesh.tables, Section(C, **options)),
+        shells.viscous("plate", *mesh.tables, Section(C, **options), 0.3),
+    )
+    q, v, previous = deformed(mesh, rng), rng.standard_normal(mesh.rest.shape), deformed(mesh, rng)
+    for earlier in (q, previous):
+        (f, K), *of_parts = (tangent_from(block, q, v, 1.3, 0.7, earlier) for block in (both, *parts))
+        expected = sum(part[0] for part in of_parts), sum(part[1] for part in of_parts)
+        np.testing.assert_allclose(f, expected[0], atol=1e-12 * np.abs(expected[0]).max())
+        np.testing.assert_allclose(K, expected[1], atol=1e-12 * np.abs(expected[1]).max())
+    assert both.energy(0.0, q) == pytest.approx(parts[0].energy(0.0, q), rel=1e-12)
+    assert both.dissipation(0.0, q, v) == pytest.approx(parts[1].dissipation(0.0, q, v), rel=1e-12)
+
+
+def tangent_from(block, q, v, alpha_q, alpha_v, previous):
+    """Force and full tangent as sums over the block's buffers."""
+    buffer, k = aligned(len(block.f_coords)), aligned(len(block.k_rows))
+    block.force_tangent(0.0, q, v, alpha_q, alpha_v, previous, buffer, k)
+    f, K = np.zeros(len(q)), np.zeros((len(q),) * 2)
+    used = block.f_coords >= 0
+    np.add.at(f, block.f_coords[used], (buffer * block.f_scale)[used])
+    used = block.k_rows >= 0
+    rows, cols, values = block.k_rows[used], block.k_cols[used], (k * block.k_scale)[used]
+    np.add.at(K, (rows, cols), values)
+    if block.symmetry == "symmetric":
+        off = rows != cols
+        np.add.at(K, (cols[off], rows[off]), values[off])
+    return f, K
 
 
 # --- damping of small-deformation models --------------------------------------------------------------

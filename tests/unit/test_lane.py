@@ -10,7 +10,7 @@ import pytest
 
 from lamella._jit import CACHE_FOLDER, announced, inlined, njit
 from lamella.element.packing import aligned, packed, packed_indices, packed_targets, unpacked
-from lamella.lane import WIDTH, load, load_at, spread, sqrt, store, store_at, total
+from lamella.lane import WIDTH, chosen, load, load_at, power, spread, sqrt, store, store_at, total
 
 
 @inlined
@@ -49,6 +49,24 @@ def test_lane_arithmetic_equals_that_of_numbers():
     assert (out[15 * WIDTH : 16 * WIDTH] == 1.5).all()
     assert (out[16 * WIDTH : 17 * WIDTH] == 2.5).all()
     assert out[-1] == pytest.approx(a.sum(), abs=1e-15 * WIDTH)
+
+
+@njit
+def choose(a, b, out):
+    u, v = load(a, 0), load(b, 0)
+    store(out, 0, chosen(u, v, -1.0))
+    store(out, 1, power(v, 0.7))
+    out[2 * WIDTH] = chosen(a[0], b[0], -1.0) + power(b[0], 0.7)
+
+
+def test_lane_chooses_and_raises_to_a_power_place_by_place():
+    a, b = np.where(np.arange(WIDTH) % 2, 1.0, -1.0), np.linspace(0.5, 3.0, WIDTH)
+    a[2], out = np.nan, np.empty(2 * WIDTH + 1)
+    choose(a, b, out)
+    np.testing.assert_array_equal(out[:WIDTH], chosen(a, b, -1.0))
+    assert (out[:WIDTH] == np.where(np.arange(WIDTH) % 2, b, -1.0)).all()
+    np.testing.assert_allclose(out[WIDTH : 2 * WIDTH], power(b, 0.7), rtol=1e-15)
+    assert out[-1] == pytest.approx(-1.0 + 0.5**0.7, rel=1e-15)
 
 
 def test_lane_keeps_nan_and_infinity_in_their_place():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from lamella._jit import njit
+from lamella._jit import kernel
 from lamella.lane import WIDTH, load_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
@@ -47,7 +47,7 @@ class SumOperator:
         return out
 
 
-@njit
+@kernel
 def _sum(group_ends: Indices, targets: Indices, sources: Indices, factors: Floats, x: Floats, out: Floats) -> None:
     at = 0
     for length in range(len(group_ends) - 1):
@@ -79,6 +79,8 @@ class ScatterSum:
     """y += E x for a long buffer x, read in its own order, in parts of which some may not be in use.
 
     For the matrix of a model this is twice as fast as row by row, since neighbours in a row of the matrix lie far apart in x.
+    What costs time is memory, so a contribution is listed in six bytes: sources are runs of consecutive numbers, each source's
+    first contributions before the second ones, and of factors there are few different ones, by the sizes of elements.
 
     Args:
         targets, sources, factors: contributions, each with its place in y, its place in x, and its factor, shapes (n,).
@@ -87,25 +89,36 @@ class ScatterSum:
 
     def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints) -> None:
         order = np.argsort(sources, kind="stable")
+        sources = sources[order]
+        first = np.searchsorted(sources, sources)
+        part = np.searchsorted(parts, sources, side="right")
+        by_layer = np.lexsort((sources, np.arange(len(sources)) - first, part))
+        order, sources, part = order[by_layer], sources[by_layer], part[by_layer]
+        begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
+        self._runs = np.column_stack([begins, np.append(begins[1:], len(sources)), sources[begins] - begins])
+        self._starts = np.searchsorted(part[begins], np.arange(1, len(parts) + 1))
         self._targets: Indices = targets[order].astype(np.int32)
-        self._sources: Indices = sources[order].astype(np.int32)
-        self._factors = factors[order].astype(float)
-        self._starts = np.searchsorted(sources[order], parts)
+        self._table, codes = np.unique(factors[order].astype(float), return_inverse=True)
+        self._codes = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
 
     def add(self, x: Floats, used: Bools, out: Floats) -> None:
         """Add the parts in use, (n_part,), to ``out``."""
-        _add_parts(self._starts, self._targets, self._sources, self._factors, x, used, out)
+        _add_parts(self._starts, self._runs, self._targets, self._codes, self._table, x, used, out)
 
 
-@njit
-def _add_parts(starts: Ints, targets: Indices, sources: Indices, factors: Floats, x: Floats, used: Bools, out: Floats) -> None:
+@kernel
+def _add_parts(
+    starts: Ints, runs: Ints, targets: Indices, codes: Indices, table: Floats, x: Floats, used: Bools, out: Floats
+) -> None:
     for part in range(len(used)):
         if used[part]:
-            for i in range(starts[part], starts[part + 1]):
-                out[targets[i]] += factors[i] * x[sources[i]]
+            for run in range(starts[part], starts[part + 1]):
+                ahead = runs[run, 2]
+                for i in range(runs[run, 0], runs[run, 1]):
+                    out[targets[i]] += table[codes[i]] * x[i + ahead]
 
 
-@njit
+@kernel
 def add_at(targets: Indices, x: Floats, factor: float, out: Floats) -> None:
     """out[targets] += factor x, repeated targets each time."""
     for i in range(len(targets)):
@@ -147,11 +160,11 @@ def mass_operator(matrix: sparse.csr_array) -> SumOperator | VectorOperator:
     return SumOperator(matrix)
 
 
-@njit
+@kernel
 def _sum_vectors(starts: Indices, sources: Indices, factors: Floats, x: Floats, longer: Floats, y: Floats, out: Floats) -> None:
     """Even and odd entries of a row are summed apart, as additions would wait for each other."""
-    n = len(x)
-    longer[:n] = x
+    for i in range(len(x)):
+        longer[i] = x[i]
     for i in range(len(starts) - 1):
         even, odd = spread(0.0), spread(0.0)
         end = starts[i + 1]
@@ -161,4 +174,5 @@ def _sum_vectors(starts: Indices, sources: Indices, factors: Floats, x: Floats, 
         if (end - starts[i]) % 2:
             even = even + factors[end - 1] * load_at(longer, sources[end - 1])
         store_at(y, 3 * i, even + odd)  # what is written beyond the vector is overwritten by the next, or lies behind the last
-    out[:] = y[:n]
+    for i in range(len(out)):
+        out[i] = y[i]

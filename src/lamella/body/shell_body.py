@@ -224,12 +224,10 @@ class ShellBody(MeshedBody):
     def _add_shell(self, build: Build, mesh: PlateMesh, tables: tuple[Ints, Floats, Floats]) -> None:
         """Add the elastic block, its structural damping, and the frames in which strains are recovered."""
         models, section = SHELLS[self.element], mesh.section
-        shell = models.elastic(self.strain, self.name, tables, section, self.n_gauss, self.frame_at)
-        build.forces.append(shell)
-        if isinstance(shell, LinearShellBlock | FrameShellBlock):
-            mesh.turns = shell.turns
-        if self.damping > 0:
-            build.forces.append(models.damping(shell, tables, section, self.damping, self.n_gauss))
+        blocks = models.shell(self.strain, self.name, tables, section, self.n_gauss, self.frame_at, self.damping)
+        build.forces.extend(blocks)
+        if isinstance(blocks[0], LinearShellBlock | FrameShellBlock):
+            mesh.turns = blocks[0].turns
 
     def compiled(self, build: Build) -> PlateMesh:
         """The compiled form of this body in a build."""

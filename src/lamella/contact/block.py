@@ -8,7 +8,7 @@ from math import prod
 import numpy as np
 
 from lamella.contact.gap import Obstacle
-from lamella.contact.kernels import ANCHOR, DIRECTIONS, FIELDS, TOTALS, Body, advance, force, work_size
+from lamella.contact.kernels import ANCHOR, FIELDS, TOTALS, Body, advance, force, work_size
 from lamella.contact.point import Law
 from lamella.contact.sheet import Sheet
 from lamella.contact.tangent import force_tangent
@@ -106,7 +106,7 @@ class ContactBlock(ForceBlock):
         self._heat = 0.0
         self._work, self._totals = aligned(work_size(sheet)), np.zeros(TOTALS)
         self._recent: list[_Seen] = []
-        self._points = np.zeros(sheet.n_point, np.int64)
+        self._points, self._places = np.zeros(sheet.n_point, np.int64), np.zeros(sheet.n_point, np.int64)
         self._no_field = np.zeros(0)
         self.first = first
         self._list_entries()
@@ -138,8 +138,7 @@ class ContactBlock(ForceBlock):
             parts.append((turned, coords[:, :, None], body[:, None], scale[:, :, None], np.ones(1)))
             turned = (count, 12, 3, wide)
             parts.append((turned, body[:, None, None], coords[:, None], np.ones(1), scale[:, None]))
-            columns = np.concatenate([np.full(3, -1), body, np.full(DIRECTIONS - 15, -1)])
-            parts.append(((12, DIRECTIONS), body[:, None], columns, np.ones(1), np.ones(1)))
+            parts.append(((12, 12), body[:, None], body, np.ones(1), np.ones(1)))
         rows, cols, scales = [], [], []
         for shape, row, col, of, by in parts:
             filler = (np.broadcast_to(row, shape) < 0) | (np.broadcast_to(col, shape) < 0)
@@ -165,8 +164,9 @@ class ContactBlock(ForceBlock):
 
     def _evaluate(self, q: Floats, v: Floats, f: Floats, field: Floats, *, moving: bool) -> None:
         force(
-            q, v, moving, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors, self._work, f, self._totals, field
-        )
+            q, v, moving, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors, self._work,
+            self._points, self._places, f, self._totals, field,
+        )  # fmt: skip
 
     def _observed(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Force and totals in a state. An accepted state, and that at rest in its place, are asked for several times."""
@@ -186,7 +186,7 @@ class ContactBlock(ForceBlock):
     ) -> None:
         force_tangent(
             q, v, self.depends_on_velocity, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors,
-            alpha_q, alpha_v, self._work, self._points, f, k, self.k_used,
+            alpha_q, alpha_v, self._work, self._points, self._places, f, k, self.k_used,
         )  # fmt: skip
 
     def totals(self, q: Floats, v: Floats) -> ContactTotals:

@@ -1,4 +1,4 @@
-"""Contact force at one point of a sheet, and its exact change.
+"""Contact force at a point of a sheet, or at a lane of points.
 
 The obstacle is fixed in a body with the vectors p, d_1, d_2, d_3. With its centre c = p + b_i d_i, its axis a = alpha_i d_i and
 y = s - c for the point s of the sheet, the depth delta = -g(y, a) gives the normal force N and the forces f = f_int - f_ext
@@ -21,12 +21,12 @@ tau does the work tau.v, so force, torque and energy of sheet and body balance e
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lamella._jit import inlined
-from lamella.contact.gap import Gap, Obstacle, gap, gap_change
+from lamella.contact.gap import Gap, positive
 from lamella.element.plate48.strain import Vector, combined, combined3, dot, scaled
-from lamella.lane import sqrt
+from lamella.lane import chosen, power, sqrt
 
 Axes = tuple[Vector, Vector, Vector]
 
@@ -73,42 +73,45 @@ class Relative(NamedTuple):
     D: Axes
     Dd: Axes
     X: Vector
-    held: float
+    held: Any
 
 
 class Force(NamedTuple):
-    """Contact at a point.
+    """Contact at a point; all forces vanish where its area is zero.
 
     Args:
         at: the gap.
         F, F_delta, F_rate: normal law, and its derivatives by depth and rate of depth.
         elastic: F without damping [N].
+        rate: of depth [m/s].
         size: |m|.
         unit: m / |m|.
         Y: the point in the axes of the body [m].
         slip: T v [m/s].
-        u: what friction follows.
-        u0: u before the projection.
-        norm: the root in the law of friction.
+        u: what friction follows, T u0.
+        u0: c_v v + c_s (y - X_i d_i).
+        c_v, c_s: its factors.
         phi: tau = phi u.
-        slides: whether phi depends on the state.
+        over: 1 / root in the law of friction where phi depends on the state, else 0.
         tau, h, f_a: forces [N].
     """
 
     at: Gap
-    F: float
-    F_delta: float
-    F_rate: float
-    elastic: float
-    size: float
+    F: Any
+    F_delta: Any
+    F_rate: Any
+    elastic: Any
+    rate: Any
+    size: Any
     unit: Vector
     Y: Vector
     slip: Vector
     u: Vector
     u0: Vector
-    norm: float
-    phi: float
-    slides: bool
+    c_v: Any
+    c_s: Any
+    phi: Any
+    over: Any
     tau: Vector
     h: Vector
     f_a: Vector
@@ -133,61 +136,34 @@ def tangential(unit: Vector, u: Vector) -> Vector:
 
 
 @inlined
-def contact(obstacle: Obstacle, law: Law, reach: float, area: float, rel: Relative) -> Force:
-    """Contact at a point whose depth is positive."""
-    at = gap(obstacle, reach, rel.y, rel.a)
-    depth, rate = -at.g, -(dot(at.m, rel.yd) + dot(at.g_a, rel.ad))
-    stiff = law.stiffness * area * depth ** (law.exponent - 1.0)
-    growth = max(1.0 + law.damping * rate, 0.0)
-    F = stiff * depth * growth
-    F_rate = stiff * depth * law.damping if growth > 0.0 else 0.0
+def contact(law: Law, at: Gap, area: Any, rel: Relative) -> Force:
+    """Contact at a point with this gap; an area of zero where it does not touch."""
+    depth, rate = positive(-at.g), -(dot(at.m, rel.yd) + dot(at.g_a, rel.ad))
+    root = sqrt(depth) if law.exponent == 1.5 else power(depth, law.exponent - 1.0)
+    stiff = law.stiffness * area * root
+    growth = positive(1.0 + law.damping * rate)
+    elastic = stiff * depth
+    F = elastic * growth
+    F_rate = chosen(growth, law.damping * elastic, 0.0 * elastic)
     size = sqrt(dot(at.m, at.m))
     unit = scaled(1.0 / size, at.m)
     Y = components(rel.D, rel.y)
     v = combined(1.0, rel.yd, -1.0, weighted(Y, rel.Dd))
+    c_v, c_s = 1.0 + 0.0 * area, 0.0 * area
     u0 = v
     if law.bristle:
-        stretch = combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D))
-        u0 = combined(area * law.tangential * rel.held, stretch, area * law.viscous, v)
+        c_v, c_s = law.viscous * area, law.tangential * area * rel.held
+        u0 = combined(c_v, v, c_s, combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D)))
     u = tangential(unit, u0)
-    norm = sqrt(dot(u, u) + law.velocity**2)
+    norm = sqrt(dot(u, u) + law.velocity * law.velocity)
     limit = law.mu * F * size
-    slides = not law.bristle or norm > limit
-    phi = limit / norm if slides else 1.0
+    over = 1.0 / norm
+    phi = limit * over
+    if law.bristle:
+        over, phi = chosen(norm - limit, over, 0.0 * norm), chosen(norm - limit, phi, 1.0 + 0.0 * norm)
     tau = scaled(phi, u)
     h = combined(-F, at.m, 1.0, tau)
-    slip = tangential(unit, v)
-    F_delta = law.exponent * stiff * growth
-    return Force(at, F, F_delta, F_rate, stiff * depth, size, unit, Y, slip, u, u0, norm, phi, slides, tau, h, scaled(-F, at.g_a))
-
-
-@inlined
-def contact_change(
-    obstacle: Obstacle, law: Law, area: float, rel: Relative, c: Force,
-    dy: Vector, dyd: Vector, da: Vector, dad: Vector, dD: Axes, dDd: Axes,
-) -> tuple[Vector, Vector, Vector, Vector]:  # fmt: skip
-    """Changes of h, f_a, tau and Y with those of the point and the body."""
-    at = c.at
-    dg, dm, dg_a = gap_change(obstacle, at, rel.a, dy, da)
-    drate = dot(dm, rel.yd) + dot(at.m, dyd) + dot(dg_a, rel.ad) + dot(at.g_a, dad)
-    dF = -c.F_delta * dg - c.F_rate * drate
-    dh = combined(-1.0, scaled(dF, at.m), -c.F, dm)
-    df_a = combined(-1.0, scaled(dF, at.g_a), -c.F, dg_a)
-    dY = components(dD, rel.y)
-    dY = (dY[0] + dot(rel.D[0], dy), dY[1] + dot(rel.D[1], dy), dY[2] + dot(rel.D[2], dy))
-    dv = combined(1.0, dyd, -1.0, weighted(dY, rel.Dd))
-    dv = combined(1.0, dv, -1.0, weighted(c.Y, dDd))
-    du0 = dv
-    if law.bristle:
-        dstretch = combined(1.0, dy, -1.0, weighted(rel.X, dD))
-        du0 = combined(area * law.tangential * rel.held, dstretch, area * law.viscous, dv)
-    dsize = dot(c.unit, dm)
-    dunit = scaled(1.0 / c.size, combined(1.0, dm, -1.0, scaled(dsize, c.unit)))
-    turned = dot(dunit, c.u0) + dot(c.unit, du0)
-    du = combined3(1.0, du0, -dot(c.unit, c.u0), dunit, -1.0, scaled(turned, c.unit))
-    dtau = scaled(c.phi, du)
-    if c.slides:
-        dlimit = law.mu * (c.size * dF + c.F * dsize)
-        dphi = (dlimit - c.phi / c.norm * dot(c.u, du)) / c.norm
-        dtau = combined(1.0, dtau, 1.0, scaled(dphi, c.u))
-    return combined(1.0, dh, 1.0, dtau), df_a, dtau, dY
+    return Force(
+        at, F, law.exponent * stiff * growth, F_rate, elastic, rate, size, unit, Y, tangential(unit, v), u, u0, c_v, c_s,
+        phi, over, tau, h, scaled(-F, at.g_a),
+    )  # fmt: skip

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from lamella._jit import inlined
-from lamella.contact.gap import CYLINDER, PLANE, Obstacle
+from lamella.contact.gap import CYLINDER, PLANE, Obstacle, positive
 from lamella.element.packing import aligned
 from lamella.element.plate48.strain import Vector, combined, dot
-from lamella.lane import WIDTH, load_at, spread, sqrt, store_at
+from lamella.lane import WIDTH, chosen, load_at, spread, sqrt, store_at
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, Ints
 
@@ -27,10 +27,12 @@ class Sheet(NamedTuple):
     Args:
         coords: coordinate of each element vector's component, (element, vector, component) flat.
         scale: factor from global to element coordinates, (element, vector) flat.
-        columns: shape functions, (vector, point) flat, points filled up to whole lanes.
+        columns: shape functions, (vector, point) flat, points filled up to whole lanes by the last one.
         rows: the same as (point, vector), vectors filled up.
         area: reference area of each point [m^2], (element, point) flat.
+        areas: the same with points filled up by zeros.
         half_thickness: of each element [m].
+        is_corner: 1 for positions, 0 for other vectors, filled up to whole lanes.
         largest: largest value of each shape function at the points.
         corners: largest sum of the values of the functions of positions.
         n_element, n_vector, n_point: counts.
@@ -43,7 +45,9 @@ class Sheet(NamedTuple):
     columns: Floats
     rows: Floats
     area: Floats
+    areas: Floats
     half_thickness: Floats
+    is_corner: Floats
     largest: Floats
     corners: float
     n_element: int
@@ -66,17 +70,21 @@ def sheet_of(mesh: PlateMesh, n: int) -> Sheet:
     S = mesh.element.shape(*places(n))[0]
     vectors, points = -(-n_vector // WIDTH) * WIDTH, -(-n * n // WIDTH) * WIDTH
     columns, rows = aligned(n_vector * points), aligned(n * n * vectors)
-    columns.reshape(n_vector, points)[:, : n * n] = S.T
+    columns.reshape(n_vector, points)[:] = np.concatenate([S, np.repeat(S[-1:], points - n * n, axis=0)]).T
     rows.reshape(n * n, vectors)[:, :n_vector] = S
     factors = np.ones(n_element) if mesh.thickness_factors is None else mesh.thickness_factors
     largest, per_node = np.abs(S).max(axis=0), mesh.element.vectors_per_node
+    area, is_corner = cell_areas(mesh, n), aligned(vectors)
+    is_corner[:n_vector:per_node] = 1.0
     return Sheet(
         np.ascontiguousarray(mesh.coords).reshape(-1),
         np.ascontiguousarray(mesh.scale[:, ::3]).reshape(-1),
         columns,
         rows,
-        cell_areas(mesh, n).reshape(-1),
+        area.reshape(-1),
+        _filled_up(area, points),
         0.5 * mesh.laminate.h * factors,
+        is_corner,
         largest,
         float(np.abs(S[:, ::per_node]).sum(axis=1).max()),
         n_element,
@@ -86,6 +94,13 @@ def sheet_of(mesh: PlateMesh, n: int) -> Sheet:
         points,
         per_node,
     )
+
+
+def _filled_up(values: Floats, points: int) -> Floats:
+    """(element, point) with points filled up by zeros, flat."""
+    out = aligned(len(values) * points)
+    out.reshape(-1, points)[:, : values.shape[1]] = values
+    return out
 
 
 def cell_areas(mesh: PlateMesh, n: int) -> Floats:
@@ -111,25 +126,31 @@ def gather(q: Floats, sheet: Sheet, element: int, work: Floats, to: int) -> None
 
 @inlined
 def interpolate(sheet: Sheet, work: Floats, source: int, to: int) -> None:
-    """Vectors of an element at its points, to work[to:], (component, point)."""
-    n = sheet.n_vector
-    for c in range(3):
-        for p in range(0, sheet.points, WIDTH):
-            value = spread(0.0)
-            for k in range(n):
-                value = value + work[source + c * n + k] * load_at(sheet.columns, k * sheet.points + p)
-            store_at(work, to + c * sheet.points + p, value)
+    """Vectors of an element at its points, to work[to:], (component, point); two vectors at a time, whose sums do not wait."""
+    n, points = sheet.n_vector, sheet.points
+    for p in range(0, points, WIDTH):
+        x, y, z = spread(0.0), spread(0.0), spread(0.0)
+        u, v, w = spread(0.0), spread(0.0), spread(0.0)
+        for k in range(source, source + n, 2):
+            at = (k - source) * points + p
+            S, T = load_at(sheet.columns, at), load_at(sheet.columns, at + points)
+            x, y, z = x + work[k] * S, y + work[k + n] * S, z + work[k + 2 * n] * S
+            u, v, w = u + work[k + 1] * T, v + work[k + n + 1] * T, w + work[k + 2 * n + 1] * T
+        store_at(work, to + p, x + u)
+        store_at(work, to + points + p, y + v)
+        store_at(work, to + 2 * points + p, z + w)
 
 
 @inlined
-def _extent(kind: int, u: Vector, a: Vector) -> float:
+def _extent(kind: int, u: Vector, a: Vector) -> Any:
     """Length of what counts of a vector: across a cylinder's axis, along a plane's normal."""
+    along = dot(u, a)
     if kind == PLANE:
-        return abs(dot(u, a))
+        return chosen(along, along, -along)
     square = dot(u, u)
     if kind == CYLINDER:
-        square -= dot(a, u) ** 2 / dot(a, a)
-    return sqrt(max(square, 0.0))
+        square = square - along * along / dot(a, a)
+    return sqrt(positive(square))
 
 
 @inlined
@@ -140,17 +161,19 @@ def near(sheet: Sheet, obstacle: Obstacle, reach: float, c: Vector, a: Vector, w
     from m than the largest |r_k - m| times the largest sum of |S_k|, and the sum of the largest |S_l| times |e_l|; all lengths
     taken across the axis of a cylinder, or along the normal of a plane, where a wide element is as slim as it looks.
     """
-    n, step = sheet.n_vector, sheet.per_node
+    n, step, to = sheet.n_vector, sheet.per_node, source + 6 * sheet.n_vector
     m = (0.0, 0.0, 0.0)
+    for k in range(source, source + n, step):
+        m = combined(1.0, m, step / n, (work[k], work[k + n], work[k + 2 * n]))
+    for k in range(0, n, WIDTH):
+        at, corner = source + k, load_at(sheet.is_corner, k)
+        e = (load_at(work, at), load_at(work, at + n), load_at(work, at + 2 * n))
+        store_at(work, to + k, _extent(obstacle.kind, combined(1.0, e, -corner, m), a))
+    far, rest = 0.0, 0.0
     for k in range(0, n, step):
-        m = combined(1.0, m, step / n, (work[source + k], work[source + n + k], work[source + 2 * n + k]))
-    corner, rest = 0.0, 0.0
-    for k in range(n):
-        e = (work[source + k], work[source + n + k], work[source + 2 * n + k])
-        if k % step == 0:
-            corner = max(corner, _extent(obstacle.kind, combined(1.0, e, -1.0, m), a))
-        else:
-            rest += sheet.largest[k] * _extent(obstacle.kind, e, a)
+        far = max(far, work[to + k])
+        for i in range(k + 1, k + step):
+            rest += sheet.largest[i] * work[to + i]
     y = combined(1.0, m, -1.0, c)
     away = dot(a, y) if obstacle.kind == PLANE else _extent(obstacle.kind, y, a)
-    return away - sheet.corners * corner - rest < reach
+    return away - sheet.corners * far - rest < reach

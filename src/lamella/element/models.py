@@ -27,13 +27,15 @@ class ShellModels:
         element: the finite element.
         strain_models: blocks by the name of the strain model; all take the arguments of :class:`ShellBlock`.
         viscous: Kelvin-Voigt damping on exact strains, with the arguments of :class:`KelvinVoigtBlock`.
+        damped: both the exact strain model and this damping, with the same arguments.
         heated: for each elastic block, how it is given temperatures; empty where the element has no such form.
     """
 
     element: ElementSpec
     strain_models: Mapping[str, Callable[..., ForceBlock]]
     viscous: Callable[..., ForceBlock]
-    heated: Mapping[type[ForceBlock], Callable[..., tuple[ForceBlock, ForceBlock]]]
+    damped: Callable[..., ForceBlock]
+    heated: Mapping[type[ForceBlock], Callable[..., tuple[ForceBlock, ...]]]
 
     def elastic(
         self, strain: str, name: str, tables: Tables, section: Section | Floats, n_gauss: int, frame_at: FramePlace = "mean"
@@ -42,11 +44,16 @@ class ShellModels:
         place: dict[str, Any] = {"frame_at": frame_at} if strain == "floating" else {}
         return self.strain_models[strain](name, *tables, section, n_gauss, **place)
 
-    def damping(self, shell: ForceBlock, tables: Tables, section: Section | Floats, time: float, n_gauss: int) -> ForceBlock:
-        """Kelvin-Voigt damping on the strains of an elastic block of these elements, by the retardation time [s]."""
-        if isinstance(shell, LinearShellBlock | FrameShellBlock):
-            return small_damping(shell, time)
-        return self.viscous(shell.name, *tables, section, time, n_gauss)
+    def shell(
+        self, strain: str, name: str, tables: Tables, section: Section | Floats, n_gauss: int, frame_at: FramePlace, time: float
+    ) -> list[ForceBlock]:
+        """The elastic block and Kelvin-Voigt damping on its strains by the retardation time [s], in one block where possible."""
+        if strain == "exact" and time > 0.0:
+            return [self.damped(name, *tables, section, time, n_gauss)]
+        elastic = self.elastic(strain, name, tables, section, n_gauss, frame_at)
+        if isinstance(elastic, LinearShellBlock | FrameShellBlock) and time > 0.0:
+            return [elastic, small_damping(elastic, time)]
+        return [elastic]
 
     def inertia(self, name: str, tables: Tables, mass_per_area: float | Floats) -> ShellInertia:
         """The consistent mass matrix."""

@@ -9,6 +9,7 @@ from scipy import sparse
 from scipy.linalg import get_lapack_funcs
 from scipy.sparse.csgraph import connected_components
 
+from lamella._jit import kernel
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Ints
 from lamella.solve.base import PIVOT_TOLERANCE
@@ -31,6 +32,7 @@ class Group:
     def __init__(self, rows: Ints, coords: Ints, pattern: Pattern) -> None:
         self.rows, self.coords = rows, coords
         self.n_motion = max(len(coords) - len(rows), 0)
+        self.N, self.P = np.zeros((len(coords), self.n_motion)), np.zeros((len(coords), len(rows)))
         row_of, column_of = pattern.j_rows, np.asarray(pattern.j_indices, np.int64)
         self._entries = np.flatnonzero(np.isin(row_of, rows))
         self._places = np.searchsorted(coords, column_of[self._entries]), np.searchsorted(rows, row_of[self._entries])
@@ -50,23 +52,45 @@ class Group:
         m, n_lam = len(self.coords), len(self.rows)
         if n_lam > m:
             return int(self.rows[-1])
-        J = np.zeros((m, n_lam), order="F")
-        J[self._places] = j[self._entries]
-        unit, own = (J**2).max(axis=1), np.abs(stiffness[self.coords])
-        d = np.sqrt(np.maximum(own, SOFTEST * (own.max() or 1.0) / (unit.max() or 1.0) * unit))
-        d[d == 0.0] = 1.0
-        J /= d[:, None]
+        J, d, size = np.zeros((m, n_lam), order="F"), np.empty(m), np.empty(n_lam)
+        _scaled(j, self._entries, *self._places, stiffness, self.coords, J, d, size)
         qr, tau, _, _ = _geqrf(J)
-        pivots, size = np.abs(qr.diagonal()), np.sqrt((J**2).sum(axis=0))
+        pivots = np.abs(qr.diagonal())
         if not (pivots > PIVOT_TOLERANCE * size).all():  # or not a number
             return int(self.rows[np.argmin(pivots / np.maximum(size, np.finfo(float).tiny))])
         Q = np.zeros((m, m), order="F")
         Q[:, :n_lam] = qr
         Q = _orgqr(Q, tau, overwrite_a=1)[0]
         Q /= d[:, None]
-        self.N = np.ascontiguousarray(Q[:, n_lam:])
-        self.P = _trtrs(qr[:n_lam], Q[:, :n_lam].T)[0].T
+        self.N[:] = Q[:, n_lam:]
+        self.P[:] = _trtrs(qr[:n_lam], Q[:, :n_lam].T)[0].T
         return -1
+
+
+@kernel
+def _scaled(
+    j: Floats, entries: Ints, rows: Ints, cols: Ints, stiffness: Floats, coords: Ints, J: Floats, d: Floats, size: Floats
+) -> None:
+    """The scaled Jacobian (coordinate, constraint), the scale of coordinates, and the length of each constraint's column."""
+    for e in range(len(entries)):
+        J[rows[e], cols[e]] = j[entries[e]]
+    stiffest, largest = 0.0, 0.0
+    for i in range(len(d)):
+        stiffest, d[i] = max(stiffest, abs(stiffness[coords[i]])), 0.0
+        for a in range(len(size)):
+            d[i] = max(d[i], J[i, a] ** 2)
+        largest = max(largest, d[i])
+    softest = SOFTEST * (stiffest if stiffest > 0.0 else 1.0) / (largest if largest > 0.0 else 1.0)
+    for i in range(len(d)):
+        d[i] = np.sqrt(max(abs(stiffness[coords[i]]), softest * d[i]))
+        if d[i] == 0.0:
+            d[i] = 1.0
+    for a in range(len(size)):
+        square = 0.0
+        for i in range(len(d)):
+            J[i, a] /= d[i]
+            square += J[i, a] ** 2
+        size[a] = np.sqrt(square)
 
 
 def groups_of(pattern: Pattern) -> list[Group]:

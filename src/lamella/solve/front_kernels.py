@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import njit
+from lamella._jit import kernel as njit  # these make no arrays
 from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats, Ints
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lamella._jit import njit
+from lamella._jit import kernel as njit  # these make no arrays
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 

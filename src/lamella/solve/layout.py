@@ -62,9 +62,11 @@ class FrontLayout:
         coordinate: coordinate at each position, -1 at padded pivots.
         padded: positions of the padded pivots.
         slots: place of each entry of the pattern in the panels; those above the diagonal as if mirrored.
+        owner: the front in whose panel each entry stands.
         above: which entries of the pattern lie above the diagonal in the order of elimination.
         pivots: place of each pivot in the panels, by position.
         diagonal: entries of the pattern on the diagonal.
+        diagonal_position: their positions.
         size: entries of all panels, which hold the lower triangle of the factor.
         update_size: entries of the workspace of updates.
         longest: longest column of a panel.
@@ -138,10 +140,10 @@ class FrontLayout:
         p, q = self.position[pattern.rows], self.position[pattern.indices]
         column, row = np.minimum(p, q), np.maximum(p, q)
         self.above = p < q
-        owner = self._front_of[self.coordinate[column]]
+        self.owner = self._front_of[self.coordinate[column]]
         self.slots = np.zeros(len(p), np.int64)
-        by_owner = np.argsort(owner, kind="stable")
-        bounds = np.searchsorted(owner[by_owner], np.arange(len(self.fronts)))
+        by_owner = np.argsort(self.owner, kind="stable")
+        bounds = np.searchsorted(self.owner[by_owner], np.arange(len(self.fronts)))
         for f in range(len(self.fronts) - 1):
             mine = by_owner[bounds[f] : bounds[f + 1]]
             first, _, a_len, a0 = self.fronts[f, :4]
@@ -150,10 +152,10 @@ class FrontLayout:
         first, a_len, a0 = self.fronts[f, 0], self.fronts[f, 2], self.fronts[f, 3]
         self.pivots = a0 + (np.arange(len(f)) - first) * (a_len + 1)
         self.diagonal = np.flatnonzero(p == q)
-        self._diagonal_position = p[self.diagonal]
+        self.diagonal_position = p[self.diagonal]
 
     def limits(self, k: Floats, tolerance: float) -> Floats:
         """Magnitude that each pivot must exceed, by position: a fraction of its diagonal entry; 0 at padded ones."""
         limits = np.zeros(len(self.coordinate))
-        limits[self._diagonal_position] = tolerance * np.abs(k[self.diagonal])
+        limits[self.diagonal_position] = tolerance * np.abs(k[self.diagonal])
         return limits

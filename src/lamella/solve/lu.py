@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
-from lamella.roles import Floats
+from lamella.roles import Floats, Ints
 from lamella.solve import front_solution, lu_kernels
 from lamella.solve.base import PIVOT_TOLERANCE
 from lamella.solve.front_kernels import BLOCK
@@ -19,27 +19,39 @@ class MultifrontalLU:
 
     Args:
         pattern: a pattern that holds all entries; its multipliers are ignored.
+        sources: where the value of each entry is found, see :class:`lamella.solve.lu_kernels.Entries`.
+
+    Attributes:
+        n: number of positions in the order of elimination, some of which only fill up.
+        position: position of each coordinate.
+        magnitude: |A_ii| by position at the last factorisation, 0 where a position fills up.
     """
 
-    def __init__(self, pattern: Pattern) -> None:
+    def __init__(self, pattern: Pattern, sources: Ints) -> None:
         self.pattern = pattern
         self._layout = layout = FrontLayout(pattern)
         self.cost, self.size = 2.0 * layout.cost, 2 * layout.size
-        # One number for each entry: its place in the panels of L, or behind them in those of U^T; short ones are read faster.
-        self._slots = np.where(layout.above, layout.slots + layout.size, layout.slots).astype(np.int32)
+        self.n, self.position, self.magnitude = len(layout.coordinate), layout.position, np.zeros(len(layout.coordinate))
+        # Entries front after front, each with its place in the panels of L, or behind them in those of U^T.
+        order = np.argsort(layout.owner, kind="stable")
+        slots = np.where(layout.above, layout.slots + layout.size, layout.slots)[order]
+        starts = np.searchsorted(layout.owner[order], np.arange(len(layout.fronts)))
+        self._diagonal = sources[layout.diagonal].astype(np.int32)
+        self._entries = lu_kernels.Entries(sources[order].astype(np.int32), slots.astype(np.int32), starts)
         self._padded_at = layout.pivots[layout.padded]
         panels = np.zeros(2 * layout.size)
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
         self._u, self._v = np.zeros(layout.update_size), np.zeros(layout.update_size)
-        self._signs, self._ones = np.ones(len(layout.coordinate)), np.ones(BLOCK)
+        self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
         self._b, self._y = np.zeros(BLOCK * layout.longest), np.zeros(layout.longest)
 
-    def factorise(self, k: Floats) -> int:
-        """Factorise; -1, or the coordinate whose pivot is rounding error."""
+    def factorise(self, k: Floats, more: Floats) -> int:
+        """Factorise the matrix of values in both arrays; -1, or the coordinate whose pivot is rounding error."""
         at = self._layout
-        limits = at.limits(k, PIVOT_TOLERANCE)
+        lu_kernels.sizes(k, more, self._diagonal, at.diagonal_position, self.magnitude)
+        limits = PIVOT_TOLERANCE * self.magnitude
         failed = lu_kernels.factorise(
-            k, self._slots, self._padded_at, at.fronts, at.runs, limits,
+            k, more, self._entries, self._padded_at, at.fronts, at.runs, limits,
             self._panels, self._a, self._c, self._u, self._v, self._ones, self._b,
         )  # fmt: skip
         return int(at.coordinate[failed]) if failed >= 0 else -1
@@ -49,10 +61,11 @@ class MultifrontalLU:
         """Negative pivots, which are the negative eigenvalues of a symmetric matrix."""
         return int(np.count_nonzero(self._c[self._layout.pivots] < 0))
 
-    def solve(self, r: Floats) -> Floats:
-        """A^-1 r for the last successful factorisation, r (n,)."""
+    def coordinate_at(self, position: int) -> int:
+        """The coordinate at a position."""
+        return int(self._layout.coordinate[position])
+
+    def solve(self, z: Floats) -> None:
+        """z <- A^-1 z by position, zero at those that fill up, for the last successful factorisation."""
         at = self._layout
-        z = np.zeros(len(at.coordinate))
-        z[at.position] = r
         front_solution.solve(at.fronts, at.rows, self._a, self._c, self._signs, z, self._y)
-        return z[at.position]

@@ -8,13 +8,42 @@ L and U^T are two lower triangles, held in two sets of panels and updates that a
 # pyright: reportUnusedExpression=false
 from __future__ import annotations
 
-from lamella._jit import njit
+from typing import NamedTuple
+
+from lamella._jit import inlined, kernel
 from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
 
 
-@njit
+class Entries(NamedTuple):
+    """Values of a matrix, front after front, so that a panel is filled just before it is factorised.
+
+    Args:
+        sources: number of each value among those of the first array, or -1 less its number among those of the second.
+        slots: its place in the panels.
+        starts: where the values of each front begin.
+    """
+
+    sources: Indices
+    slots: Indices
+    starts: Ints
+
+
+@inlined
+def value(k: Floats, more: Floats, source: int) -> float:
+    """The value of a source; see :class:`Entries`."""
+    return k[source] if source >= 0 else more[-1 - source]
+
+
+@kernel
+def sizes(k: Floats, more: Floats, sources: Indices, places: Ints, out: Floats) -> None:
+    """out[places] = absolute values."""
+    for i in range(len(sources)):
+        out[places[i]] = abs(value(k, more, sources[i]))
+
+
+@kernel
 def _factorise_corner(a: Floats, c: Floats, corner: int, a_len: int, limits: Floats, s0: int) -> int:
     """L U of a 4 by 4 block, L in a[corner] and U^T in c[corner]; -1, or the column whose pivot is within its limit."""
     for i in range(4):
@@ -34,7 +63,7 @@ def _factorise_corner(a: Floats, c: Floats, corner: int, a_len: int, limits: Flo
     return -1
 
 
-@njit
+@kernel
 def _factorise_columns(a: Floats, c: Floats, a0: int, a_len: int, j: int, limits: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panels at a0, from which all columns before are already subtracted."""
     failed = _factorise_corner(a, c, a0 + j * (a_len + 1), a_len, limits, s0 + j)
@@ -75,7 +104,7 @@ def _factorise_columns(a: Floats, c: Floats, a0: int, a_len: int, j: int, limits
     return -1
 
 
-@njit
+@kernel
 def _subtract_both(
     t: Floats, w: Floats, t0: int, t_len: int, rows: int, columns: int, a: Floats, c: Floats, a0: int, packed: int,
     a_len: int, ones: Floats, b: Floats, n: int,
@@ -90,7 +119,7 @@ def _subtract_both(
     subtract(w, t0, t_len, rows, columns, c, a0, a_len, b, n)
 
 
-@njit
+@kernel
 def _factorise_front(
     a: Floats, c: Floats, a0: int, a_len: int, p: int, u: Floats, v: Floats, u0: int, u_len: int, limits: Floats, s0: int,
     ones: Floats, b: Floats,
@@ -116,17 +145,17 @@ def _factorise_front(
     return -1
 
 
-@njit
+@kernel
 def factorise(
-    k: Floats, slots: Indices, ones_at: Ints, fronts: Ints, runs: Ints, limits: Floats,
+    k: Floats, more: Floats, entries: Entries, ones_at: Ints, fronts: Ints, runs: Ints, limits: Floats,
     panels: Floats, a: Floats, c: Floats, u: Floats, v: Floats, ones: Floats, b: Floats,
 ) -> int:  # fmt: skip
     """Factorise all fronts, children before parents.
 
     Args:
-        k: values of the matrix.
-        slots: place of each value in ``panels``.
-        ones_at: positions in ``a`` of padded pivots.
+        k, more: values of the matrix, in two arrays.
+        entries: where its values go.
+        ones_at: positions in ``a`` of padded pivots, ascending.
         fronts, runs: as in :func:`lamella.solve.front_kernels.factorise`.
         limits: magnitude that a pivot must exceed, by position.
         panels: all panels.
@@ -138,14 +167,17 @@ def factorise(
     Returns:
         -1, or the position whose pivot is within its limit.
     """
-    for i in range(len(panels)):
-        panels[i] = 0.0
-    for i in range(len(k)):
-        panels[slots[i]] = k[i]
-    for i in range(len(ones_at)):
-        a[ones_at[i]] = 1.0
+    padded = 0
     for f in range(len(fronts) - 1):
         first, p, a_len, a0, u_len, u0 = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
+        end = a0 + p * a_len
+        clear(a, a0, p * a_len)
+        clear(c, a0, p * a_len)
+        for i in range(entries.starts[f], entries.starts[f + 1]):
+            panels[entries.slots[i]] = value(k, more, entries.sources[i])
+        while padded < len(ones_at) and ones_at[padded] < end:
+            a[ones_at[padded]] = 1.0
+            padded += 1
         clear(u, u0, u_len * u_len)
         clear(v, u0, u_len * u_len)
         child = fronts[f, 9]

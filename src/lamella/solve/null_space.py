@@ -10,7 +10,7 @@ from lamella.roles import Floats
 from lamella.solve.base import BACKWARD_ERROR_LIMIT, CONDITION_LIMIT, LinearSolver, not_finite
 from lamella.solve.constraint_group import groups_of
 from lamella.solve.lu import MultifrontalLU
-from lamella.solve.null_space_kernels import product
+from lamella.solve.null_space_kernels import Rows, gather, largest, residual, scaled, spread
 from lamella.solve.reduction import Reduction
 from lamella.solve.saddle import probe
 
@@ -39,10 +39,16 @@ class NullSpaceSolver(LinearSolver):
         self.pattern = pattern
         self._groups = groups_of(pattern)
         self._map = Reduction(pattern, self._groups)
-        self._lu = MultifrontalLU(self._map.reduced)
-        self._k = np.zeros(len(self._map.reduced.indices))
-        self._indices = self._map.reduced.indices.astype(np.int32)
-        self._probe = probe(self._map.reduced.n)
+        self._lu = MultifrontalLU(self._map.reduced, self._map.sources)
+        reduced, position = self._map.reduced, self._lu.position
+        self._k = np.zeros(0)
+        columns, sources = (x.astype(np.int32) for x in (position[reduced.indices], self._map.sources))
+        self._rows = Rows(position, reduced.indptr, columns, sources)
+        self._motions = self._map.motions(position)
+        # By position, with zeros where the factorisation has filled up:
+        self._probe, self._b, self._z, self._off = (np.zeros(self._lu.n) for _ in range(4))
+        self._probe[position] = probe(reduced.n)
+        self._rest = np.zeros(pattern.n)
         self._usable = self._refine = False
 
     @property
@@ -65,51 +71,43 @@ class NullSpaceSolver(LinearSolver):
             repeated = group.decompose(j, stiffness)
             if repeated >= 0:
                 return self.pattern.n + repeated
-        self._map.reduce(k, self._k)
-        free = self._lu.factorise(self._k)
+        self._map.reduce(k)
+        free = self._lu.factorise(k, self._map.mixed)
         if free < 0:
-            error, worst = self._backward_error()
+            error, worst = self._backward_error(k)
             self._refine = error > REFINE_ABOVE
+            if self._refine:
+                self._k = k.copy()
             self._usable = error <= BACKWARD_ERROR_LIMIT
             free = -1 if self._usable else worst
         return -1 if free < 0 else self._map.coordinate_of(free)
 
-    def _backward_error(self) -> tuple[float, int]:
+    def _backward_error(self, k: Floats) -> tuple[float, int]:
         """Largest |A z - b| / (|z| + |b|) of a known system, scaled to a diagonal of 1, and where it is.
 
         It is infinite when the matrix is singular; then the motion is told in which z is largest.
         """
-        scale = np.sqrt(np.maximum(np.abs(self._map.reduced.diagonal(self._k)), np.finfo(float).tiny))
-        b = self._probe * scale
-        x = self._lu.solve(b)
-        error, size = np.abs(self._residual(b, x) / scale), np.abs(x * scale)
-        if not size.max(initial=0.0) < CONDITION_LIMIT:
-            return np.inf, int(np.argmax(size))
-        return float(error.max(initial=0.0) / (size.max(initial=0.0) + 1.0)), int(np.argmax(error))
-
-    def _residual(self, b: Floats, x: Floats) -> Floats:
-        """b - N^T K N x."""
-        found = np.empty_like(b)
-        product(self._map.reduced.indptr, self._indices, self._k, x, found)
-        return b - found
+        b, z, off, magnitude = self._b, self._z, self._off, self._lu.magnitude
+        scaled(magnitude, self._probe, b, z)
+        self._lu.solve(z)
+        residual(self._rows, k, self._map.mixed, b, z, off)
+        error, worst, size, softest = largest(magnitude, off, z)
+        if not size < CONDITION_LIMIT:
+            return np.inf, self._lu.coordinate_at(softest)
+        return error / (size + 1.0), self._lu.coordinate_at(worst)
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve by one reduced solution; the multipliers follow from the rows of the constrained coordinates."""
         if not self._usable:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
-        x, y = np.zeros(self.pattern.n), np.zeros(self.pattern.n_lam)
-        rest = r
-        if s.any():
-            for group in self._groups:
-                x[group.coords] = group.P @ s[group.rows]
-            rest = self._map.without_constrained(r, x)
-        b = self._map.gathered(rest)
-        w = self._lu.solve(b)
+        x, y, z, rest = np.empty(self.pattern.n), np.zeros(self.pattern.n_lam), self._z, self._rest
+        gather(r, s, self._motions, self._map.right, self._map.core, x, rest, z)
         if self._refine:
-            w += self._lu.solve(self._residual(b, w))
-        self._map.spread(w, x)
-        if len(y):
-            force = self._map.forces_on_groups(r, x)
-            for group in self._groups:
-                y[group.rows] = force[group.coords] @ group.P
+            self._b[:] = z
+        self._lu.solve(z)
+        if self._refine:
+            residual(self._rows, self._k, self._map.mixed, self._b, z, self._off)
+            self._lu.solve(self._off)
+            z += self._off
+        spread(r, z, self._motions, self._map.down, self._map.core, rest, x, y)
         return x, y

@@ -2,19 +2,77 @@
 
 from __future__ import annotations
 
-from lamella._jit import njit
+from typing import NamedTuple
+
+import numpy as np
+
+from lamella._jit import kernel
 from lamella.roles import Floats, Indices, Ints
+from lamella.solve.lu_kernels import value
+
+TINY = float(np.finfo(float).tiny)
 
 
-@njit
-def couple(k: Floats, source: Indices, slots: Indices, out: Floats) -> None:
-    """out[slots] = k[source], all else zero."""
-    out[:] = 0.0
-    for e in range(len(source)):
-        out[slots[e]] = k[source[e]]
+class Rows(NamedTuple):
+    """A matrix in compressed rows: number of each row, where each begins, and the column of each entry with the source of its
+    value, see :class:`lamella.solve.lu_kernels.Entries`.
+    """
+
+    rows: Ints
+    starts: Ints
+    columns: Indices
+    sources: Indices
 
 
-@njit
+class Motions(NamedTuple):
+    """What becomes of coordinates; lists of all groups one after the other, with the places where those of each group begin.
+
+    Args:
+        coords, coords_at: coordinates of each group.
+        rows, rows_at: its constraints.
+        N, N_at: its motions (coordinate, motion), flat.
+        P, P_at: the other coordinates (coordinate, constraint), flat.
+        place, place_at: position of its motions in the factorised matrix.
+        free, free_place: coordinates in no group, and their positions.
+    """
+
+    coords: Indices
+    coords_at: Ints
+    rows: Indices
+    rows_at: Ints
+    N: Floats
+    N_at: Ints
+    P: Floats
+    P_at: Ints
+    place: Indices
+    place_at: Ints
+    free: Indices
+    free_place: Indices
+
+
+class Panels(NamedTuple):
+    """All K_fg, or the transposed K_gf, between groups g and coordinates f in no group.
+
+    Args:
+        near, near_at: the coordinates f of each group, and where they begin.
+        kept, kept_at: values (f, g), flat, of each group, and where they begin.
+    """
+
+    near: Indices
+    near_at: Ints
+    kept: Floats
+    kept_at: Ints
+
+
+class Core(NamedTuple):
+    """Entries of K between constrained coordinates."""
+
+    rows: Ints
+    cols: Ints
+    values: Floats
+
+
+@kernel
 def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats, kept: Floats, out: Floats) -> None:
     """Keep the values of a panel K_fg (f, m), and write K_fg N (f, n) to out[slots[f] + n stride].
 
@@ -37,7 +95,7 @@ def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats
             out[slots[f] + a * stride] = total
 
 
-@njit
+@kernel
 def reduce_core(values: Floats, mixed: Ints, weights: Floats, out: Floats) -> None:
     """Add N_g^T K_gh N_h: value, place, length of the rows there, weights and motions of row and of column; (n, 7)."""
     for e in range(len(mixed)):
@@ -49,49 +107,125 @@ def reduce_core(values: Floats, mixed: Ints, weights: Floats, out: Floats) -> No
                 out[slot + a * stride + b] += part * weights[of_column + b]
 
 
-@njit
-def product(indptr: Ints, indices: Indices, k: Floats, x: Floats, out: Floats) -> None:
-    """out = K x, in compressed rows."""
-    for i in range(len(out)):
+@kernel
+def scaled(magnitude: Floats, probe: Floats, b: Floats, z: Floats) -> None:
+    """A right-hand side b, and z, from the probe and the diagonal's magnitude."""
+    for i in range(len(b)):
+        b[i] = probe[i] * np.sqrt(max(magnitude[i], TINY))
+        z[i] = b[i]
+
+
+@kernel
+def residual(A: Rows, k: Floats, more: Floats, b: Floats, x: Floats, rest: Floats) -> None:
+    """rest = b - A x, in compressed rows; zero in the rows that A has not."""
+    rest[:] = 0.0
+    for i in range(len(A.rows)):
         total = 0.0
-        for e in range(indptr[i], indptr[i + 1]):
-            total += k[e] * x[indices[e]]
-        out[i] = total
+        for e in range(A.starts[i], A.starts[i + 1]):
+            total += value(k, more, A.sources[e]) * x[A.columns[e]]
+        rest[A.rows[i]] = b[A.rows[i]] - total
 
 
-@njit
-def subtract(rows: Ints, cols: Ints, k: Floats, x: Floats, out: Floats) -> None:
-    """out -= K x for listed entries."""
-    for e in range(len(rows)):
-        out[rows[e]] -= k[e] * x[cols[e]]
+@kernel
+def largest(magnitude: Floats, rest: Floats, x: Floats) -> tuple[float, int, float, int]:
+    """Largest entries of the residual and of the solution of a matrix scaled to a diagonal of 1, each with its place.
+
+    A solution that holds what is not a number is infinite.
+    """
+    error, worst, size, softest = 0.0, 0, 0.0, 0
+    for i in range(len(x)):
+        scale = np.sqrt(max(magnitude[i], TINY))
+        found = abs(x[i]) * scale
+        if not found <= size:
+            size, softest = found, i
+            if not np.isfinite(found):
+                return np.inf, i, np.inf, i
+        if abs(rest[i]) > error * scale:
+            error, worst = abs(rest[i]) / scale, i
+    return error, worst, size, softest
 
 
-@njit
-def subtract_panels(
-    near: Indices, near_at: Ints, coords: Indices, coords_at: Ints, kept: Floats, kept_at: Ints, x: Floats, out: Floats
-) -> None:
-    """out_f -= K_fg x_g for the panels (f, m) of all groups g, one after the other in ``kept``."""
-    for g in range(len(near_at) - 1):
-        first, m = coords_at[g], coords_at[g + 1] - coords_at[g]
-        at = kept_at[g]
-        for f in range(near_at[g], near_at[g + 1]):
+@kernel
+def gather(r: Floats, s: Floats, at: Motions, right: Panels, core: Core, x: Floats, rest: Floats, z: Floats) -> None:
+    """z = N^T (r - K P s) by position, and x = P s."""
+    z[:] = 0.0
+    x[:] = 0.0
+    for i in range(len(r)):
+        rest[i] = r[i]
+    violated = False
+    for a in range(len(s)):
+        violated = violated or s[a] != 0.0
+    if violated:
+        for g in range(len(at.coords_at) - 1):
+            first, m = at.coords_at[g], at.coords_at[g + 1] - at.coords_at[g]
+            row, n = at.rows_at[g], at.rows_at[g + 1] - at.rows_at[g]
+            for i in range(m):
+                for a in range(n):
+                    x[at.coords[first + i]] += at.P[at.P_at[g] + i * n + a] * s[at.rows[row + a]]
+        _subtract_panels(right, at, x, rest)
+        _subtract_core(core, x, rest)
+    for i in range(len(at.free)):
+        z[at.free_place[i]] = rest[at.free[i]]
+    for g in range(len(at.coords_at) - 1):
+        first, m = at.coords_at[g], at.coords_at[g + 1] - at.coords_at[g]
+        motion, n = at.place_at[g], at.place_at[g + 1] - at.place_at[g]
+        for i in range(m):
+            for a in range(n):
+                z[at.place[motion + a]] += at.N[at.N_at[g] + i * n + a] * rest[at.coords[first + i]]
+
+
+@kernel
+def spread(r: Floats, z: Floats, at: Motions, down: Panels, core: Core, rest: Floats, x: Floats, y: Floats) -> None:
+    """x += N z, z by position, and y = P^T (r - K x)."""
+    for i in range(len(at.free)):
+        x[at.free[i]] += z[at.free_place[i]]
+    for g in range(len(at.coords_at) - 1):
+        first, m = at.coords_at[g], at.coords_at[g + 1] - at.coords_at[g]
+        motion, n = at.place_at[g], at.place_at[g + 1] - at.place_at[g]
+        for i in range(m):
+            for a in range(n):
+                x[at.coords[first + i]] += at.N[at.N_at[g] + i * n + a] * z[at.place[motion + a]]
+    for i in range(len(r)):
+        rest[i] = r[i]
+    _subtract_transposed(down, at, x, rest)
+    _subtract_core(core, x, rest)
+    for g in range(len(at.coords_at) - 1):
+        first, m = at.coords_at[g], at.coords_at[g + 1] - at.coords_at[g]
+        row, n = at.rows_at[g], at.rows_at[g + 1] - at.rows_at[g]
+        for i in range(m):
+            for a in range(n):
+                y[at.rows[row + a]] += at.P[at.P_at[g] + i * n + a] * rest[at.coords[first + i]]
+
+
+@kernel
+def _subtract_core(core: Core, x: Floats, out: Floats) -> None:
+    """out -= K x for entries between constrained coordinates."""
+    for e in range(len(core.rows)):
+        out[core.rows[e]] -= core.values[e] * x[core.cols[e]]
+
+
+@kernel
+def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
+    """out_f -= K_fg x_g for all groups g."""
+    for g in range(len(panels.near_at) - 1):
+        first, m = motions.coords_at[g], motions.coords_at[g + 1] - motions.coords_at[g]
+        at = panels.kept_at[g]
+        for f in range(panels.near_at[g], panels.near_at[g + 1]):
             total = 0.0
             for i in range(m):
-                total += kept[at + i] * x[coords[first + i]]
-            out[near[f]] -= total
+                total += panels.kept[at + i] * x[motions.coords[first + i]]
+            out[panels.near[f]] -= total
             at += m
 
 
-@njit
-def subtract_transposed(
-    near: Indices, near_at: Ints, coords: Indices, coords_at: Ints, kept: Floats, kept_at: Ints, x: Floats, out: Floats
-) -> None:
-    """out_g -= K_fg^T x_f, with panels as in :func:`subtract_panels`."""
-    for g in range(len(near_at) - 1):
-        first, m = coords_at[g], coords_at[g + 1] - coords_at[g]
-        at = kept_at[g]
-        for f in range(near_at[g], near_at[g + 1]):
-            factor = x[near[f]]
+@kernel
+def _subtract_transposed(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
+    """out_g -= K_fg^T x_f for all groups g."""
+    for g in range(len(panels.near_at) - 1):
+        first, m = motions.coords_at[g], motions.coords_at[g + 1] - motions.coords_at[g]
+        at = panels.kept_at[g]
+        for f in range(panels.near_at[g], panels.near_at[g + 1]):
+            factor = x[panels.near[f]]
             for i in range(m):
-                out[coords[first + i]] -= kept[at + i] * factor
+                out[motions.coords[first + i]] -= panels.kept[at + i] * factor
             at += m

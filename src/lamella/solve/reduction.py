@@ -10,7 +10,7 @@ import numpy as np
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.constraint_group import Group
-from lamella.solve.null_space_kernels import couple, reduce_core, reduce_panel, subtract, subtract_panels, subtract_transposed
+from lamella.solve.null_space_kernels import Core, Motions, Panels, reduce_core, reduce_panel
 
 Lookup = Callable[[Ints, Ints], Ints]
 """Number of an entry by its row and column, -1 where there is none."""
@@ -28,25 +28,23 @@ def _lookup(rows: Ints, cols: Ints, numbers: Ints, n: int) -> Lookup:
     return find
 
 
-class _Panels:
-    """What stands in K between groups g and the coordinates f that no constraint touches: all K_fg, or the transposed K_gf.
+class _Reduced:
+    """The panels K_fg of all groups, or the transposed K_gf, and what they become.
 
     Args:
         parts: of each group the coordinates f, and number in K and shape (f, m) of the values, place of the first motion's entry
             for each f in the reduced matrix, and distance to that of the next motion.
-        groups: the groups.
     """
 
-    def __init__(self, parts: Sequence[_Part], groups: Sequence[Group]) -> None:
+    def __init__(self, parts: Sequence[_Part]) -> None:
         self._parts = parts
-        self._near, self._near_at = _joined([part.near for part in parts])
-        self._coords, self._coords_at = _joined([group.coords for group in groups])
+        near, near_at = joined([part.near for part in parts])
         sizes = [part.source.size for part in parts]
-        self._kept_at = np.cumsum([0, *sizes])
-        self._kept = np.zeros(self._kept_at[-1])
+        kept_at = np.cumsum([0, *sizes])
+        self.panels = Panels(near, near_at, np.zeros(kept_at[-1]), kept_at)
         self._views = [
-            self._kept[at : at + size].reshape(part.source.shape)
-            for at, size, part in zip(self._kept_at, sizes, parts, strict=False)
+            self.panels.kept[at : at + size].reshape(part.source.shape)
+            for at, size, part in zip(kept_at, sizes, parts, strict=False)
         ]
 
     def reduce(self, k: Floats, groups: Sequence[Group], out: Floats) -> None:
@@ -54,15 +52,10 @@ class _Panels:
         for part, group, kept in zip(self._parts, groups, self._views, strict=True):
             reduce_panel(k, part.source, part.slots, part.stride, group.N, kept, out)
 
-    def subtract(self, x: Floats, out: Floats, *, transposed: bool) -> None:
-        """out_f -= K_fg x_g, or out_g -= K_gf x_f when ``transposed``."""
-        apply = subtract_transposed if transposed else subtract_panels
-        apply(self._near, self._near_at, self._coords, self._coords_at, self._kept, self._kept_at, x, out)
-
 
 @dataclass(frozen=True)
 class _Part:
-    """The panel of one group; see :class:`_Panels`."""
+    """The panel of one group; see :class:`_Reduced`."""
 
     near: Ints
     source: Indices
@@ -70,10 +63,16 @@ class _Part:
     stride: int
 
 
-def _joined(parts: Sequence[Ints]) -> tuple[Indices, Ints]:
+def joined(parts: Sequence[Ints]) -> tuple[Indices, Ints]:
     """Several lists in one, and where each begins."""
     none = np.zeros(0, np.int64)
     return np.concatenate([none, *parts]).astype(np.int32), np.cumsum([0, *(len(part) for part in parts)])
+
+
+def _side_by_side(parts: Sequence[Floats]) -> tuple[Floats, Ints]:
+    """Room for matrices, one after the other, and where each begins."""
+    at = np.cumsum([0, *(part.size for part in parts)])
+    return np.zeros(at[-1]), at
 
 
 class Reduction:
@@ -81,14 +80,22 @@ class Reduction:
 
     Args:
         pattern: pattern of K and J.
-        groups: the constraints.
+        groups: the constraints, whose N and P lie side by side from here on.
 
     Attributes:
         reduced: pattern of N^T K N, all entries.
+        sources: number of the entry of K that an entry of N^T K N is, or -1 less its number among ``mixed``.
+        mixed: entries of N^T K N in rows or columns of motions of groups.
+        right, down, core: entries of K in rows or columns of groups, as the last call of :meth:`reduce` found them.
     """
 
     def __init__(self, pattern: Pattern, groups: Sequence[Group]) -> None:
         self._groups = groups
+        self._N, self._N_at = _side_by_side([group.N for group in groups])
+        self._P, self._P_at = _side_by_side([group.P for group in groups])
+        for group, N_at, P_at in zip(groups, self._N_at, self._P_at, strict=False):
+            group.N = self._N[N_at : N_at + group.N.size].reshape(group.N.shape)
+            group.P = self._P[P_at : P_at + group.P.size].reshape(group.P.shape)
         number, owner = self._number(pattern.n)
         rows, cols = pattern.rows, np.asarray(pattern.indices, np.int64)
         source = np.arange(len(rows))
@@ -101,16 +108,22 @@ class Reduction:
             width[group.coords] = group.n_motion
         self._moves = width > 0
         self.reduced = _reduced(rows, cols, number, width, self._n)
-        slot = _lookup(self.reduced.rows, self.reduced.indices, np.arange(len(self.reduced.indices)), self._n)
+        place = _lookup(self.reduced.rows, self.reduced.indices, np.arange(len(self.reduced.indices)), self._n)
         free = (owner[rows] < 0) & (owner[cols] < 0)
-        self._plain = source[free].astype(np.int32), slot(number[rows[free]], number[cols[free]]).astype(np.int32)
+        mixed = np.ones(len(self.reduced.indices), bool)
+        mixed[place(number[rows[free]], number[cols[free]])] = False
+        self.sources = -np.cumsum(mixed)
+        self.sources[place(number[rows[free]], number[cols[free]])] = source[free]
+        slot = _lookup(self.reduced.rows[mixed], self.reduced.indices[mixed], np.arange(np.count_nonzero(mixed)), self._n)
+        self.mixed = np.zeros(np.count_nonzero(mixed))
         self._free, self._number_of_free = np.flatnonzero(owner < 0), number[owner < 0]
         entry = _lookup(rows, cols, source, pattern.n)
         panels: list[tuple[_Part, _Part]] = []
         for g, group in enumerate(groups):
             near = np.union1d(cols[owner[rows] == g], rows[owner[cols] == g])
             panels.append(self._panels(group, near[owner[near] < 0], number, entry, slot))
-        self._right, self._down = (_Panels([pair[i] for pair in panels], groups) for i in (0, 1))
+        self._right, self._down = (_Reduced([pair[i] for pair in panels]) for i in (0, 1))
+        self.right, self.down = self._right.panels, self._down.panels
         core = np.flatnonzero((owner[rows] >= 0) & (owner[cols] >= 0))
         self._set_core(source[core], rows[core], cols[core], number, width, slot)
 
@@ -147,62 +160,35 @@ class Reduction:
         for group in self._groups:
             at[group.coords] = size + group.n_motion * np.arange(len(group.coords))
             size += group.n_motion * len(group.coords)
-        self._weights = np.zeros(size)
-        self._core, self._core_values = (source, rows, cols), np.zeros(len(source))
+        self._source, self.core = source, Core(rows, cols, np.zeros(len(source)))
         moving = np.flatnonzero((width[rows] > 0) & (width[cols] > 0))
         rows, cols = rows[moving], cols[moving]
         stride = np.diff(self.reduced.indptr)[number[rows]]
         places = slot(number[rows], number[cols])
         self._mixed = np.column_stack([moving, places, stride, at[rows], width[rows], at[cols], width[cols]])
 
+    def motions(self, position: Ints) -> Motions:
+        """What becomes of coordinates, with the position of each row of the reduced matrix in a factorisation."""
+        first = [self._numbers[group.coords[0]] for group in self._groups]
+        place = [position[at : at + group.n_motion] for at, group in zip(first, self._groups, strict=True)]
+        coords, rows = joined([group.coords for group in self._groups]), joined([group.rows for group in self._groups])
+        free = self._free.astype(np.int32), position[self._number_of_free].astype(np.int32)
+        return Motions(*coords, *rows, self._N, self._N_at, self._P, self._P_at, *joined(place), *free)
+
     def coordinate_of(self, motion: int) -> int:
         """A coordinate that moves in the motion of this number: the first of a group, or the one that is the motion itself."""
         last = np.max(self._numbers[self._moves & (self._numbers <= motion)])
         return int(np.flatnonzero(self._moves & (self._numbers == last))[0])
 
-    def reduce(self, k: Floats, out: Floats) -> None:
-        """Values of N^T K N in the order of the pattern ``reduced``; what :meth:`forces_on_groups` needs of K is kept."""
-        couple(k, *self._plain, out)
+    def reduce(self, k: Floats) -> None:
+        """Set ``mixed``; entries of K with groups are kept."""
+        out = self.mixed
+        out[:] = 0.0
         self._right.reduce(k, self._groups, out)
         self._down.reduce(k, self._groups, out)
         if self._groups:
-            np.take(k, self._core[0], out=self._core_values)
-            np.concatenate([group.N.reshape(-1) for group in self._groups], out=self._weights)
-            reduce_core(self._core_values, self._mixed, self._weights, out)
-
-    def gathered(self, r: Floats) -> Floats:
-        """N^T r."""
-        out = np.zeros(self._n)
-        out[self._number_of_free] = r[self._free]
-        for group in self._groups:
-            first = self._numbers[group.coords[0]]
-            out[first : first + group.n_motion] = r[group.coords] @ group.N
-        return out
-
-    def spread(self, w: Floats, x: Floats) -> None:
-        """x += N w."""
-        x[self._free] += w[self._number_of_free]
-        for group in self._groups:
-            first = self._numbers[group.coords[0]]
-            x[group.coords] += group.N @ w[first : first + group.n_motion]
-
-    def without_constrained(self, r: Floats, x: Floats) -> Floats:
-        """r - K x for an x that is zero but in groups."""
-        out = r.copy()
-        self._right.subtract(x, out, transposed=False)
-        self._subtract_core(x, out)
-        return out
-
-    def forces_on_groups(self, r: Floats, x: Floats) -> Floats:
-        """r - K x, right in the rows of groups alone."""
-        out = r.copy()
-        self._down.subtract(x, out, transposed=True)
-        self._subtract_core(x, out)
-        return out
-
-    def _subtract_core(self, x: Floats, out: Floats) -> None:
-        _, rows, cols = self._core
-        subtract(rows, cols, self._core_values, x, out)
+            np.take(k, self._source, out=self.core.values)
+            reduce_core(self.core.values, self._mixed, self._N, out)
 
 
 def _reduced(rows: Ints, cols: Ints, number: Ints, width: Ints, n: int) -> Pattern:

@@ -108,8 +108,8 @@ class TemperatureField(Declaration):
             plate.laminate.thermal_moments,
         )
         elastic = build.forces[place]
-        build.forces[place], added = heated[type(elastic)](elastic, elements)
-        build.forces.append(added)
+        build.forces[place], *added = heated[type(elastic)](elastic, elements)
+        build.forces.extend(added)
         if plate.laminate.thermal_moments.any():
             build.notes += [
                 f"'{joint}' clamps an edge of '{plate.name}' with the kind 'full', so it cannot grow where '{self.name}' heats "

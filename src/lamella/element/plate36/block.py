@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from lamella.element.models import ShellModels
-from lamella.element.plate36.condensed import CondensedDamping, CondensedShell
+from lamella.element.plate36.condensed import CondensedDamped, CondensedDamping, CondensedShell
 from lamella.element.plate36.shape import Plate36
 from lamella.element.plate48.frame import CorotationalShellBlock, FloatingShellBlock
 from lamella.element.plate48.linear import LinearShellBlock
@@ -20,5 +20,5 @@ STRAIN_MODELS: dict[str, Callable[..., ForceBlock]] = {
 }
 """Strain models by the name a plate declares; all take the same arguments."""
 
-SHELL = ShellModels(Plate36(), STRAIN_MODELS, CondensedDamping, {})
+SHELL = ShellModels(Plate36(), STRAIN_MODELS, CondensedDamping, CondensedDamped, {})
 """All of them together."""

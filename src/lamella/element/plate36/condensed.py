@@ -10,7 +10,7 @@ from lamella.element.block import ElementBlock
 from lamella.element.packing import aligned
 from lamella.element.plate36 import kernels
 from lamella.element.plate36.shape import Plate36, expansion
-from lamella.element.plate48.damping import KelvinVoigtBlock
+from lamella.element.plate48.damping import DampedShellBlock, KelvinVoigtBlock
 from lamella.element.plate48.entries import ALL_PAIRS, PAIRS, all_entries, upper_entries
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.section import Section
@@ -111,6 +111,15 @@ class CondensedDamping(CondensedBlock):
         self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, time: float, n_gauss: int = 4
     ) -> None:
         super().__init__(name, coords, scale, reference, KelvinVoigtBlock, section, time, n_gauss)
+
+
+class CondensedDamped(CondensedBlock):
+    """Elastic Plate36 shell with Kelvin-Voigt damping: :class:`DampedShellBlock`, condensed; the arguments are the same."""
+
+    def __init__(
+        self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, time: float, n_gauss: int = 4
+    ) -> None:
+        super().__init__(name, coords, scale, reference, DampedShellBlock, section, time, n_gauss)
 
 
 def _kept_first() -> Ints:

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, njit
+from lamella._jit import inlined, kernel
 from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats, Ints
 
 
-@njit
+@kernel
 def expand(q: Floats, index: Ints, scale: Floats, twists: Floats, places: Ints, out: Floats) -> None:
     """Coordinates of Plate48, scaled, out (block, 48), from global coordinates of Plate36."""
     for block in range(index.size // (36 * WIDTH)):
@@ -44,7 +44,7 @@ def _with_twists(value: Any, of_twists: Any, twists: Floats, i: int) -> Any:
     return value + twists[24 + i] * of_twists[2] + twists[36 + i] * of_twists[3]
 
 
-@njit
+@kernel
 def condense_force(full: Floats, twists: Floats, places: Ints, f: Floats) -> None:
     """P^T f48, f (block, 36), from full (block, 48)."""
     for block in range(full.size // (48 * WIDTH)):
@@ -56,7 +56,7 @@ def condense_force(full: Floats, twists: Floats, places: Ints, f: Floats) -> Non
                 store(f, 36 * block + 3 * i + c, _with_twists(load(full, at + places[i]), of_twists, twists, i))
 
 
-@njit
+@kernel
 def condense_tangent(full: Floats, n_entry: int, source: Ints, is_upper: Ints, twists: Floats, work: Floats, k: Floats) -> None:
     """P^T K48 P, k (block, entry), from full (block, n_entry): rows first, then columns, for each pair of components.
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lamella.element.models import ShellModels
-from lamella.element.plate48.damping import KelvinVoigtBlock
+from lamella.element.plate48.damping import DampedShellBlock, KelvinVoigtBlock
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.frame import CorotationalShellBlock, FloatingShellBlock, FrameShellBlock
 from lamella.element.plate48.heated import ThermalCouplingBlock
@@ -43,9 +43,14 @@ HeatedBlocks = tuple[ForceBlock, ForceBlock]
 """The block that takes the place of an elastic one, and one that is added to it."""
 
 
-def _heated_exact(block: ShellBlock, elements: HeatedElements) -> HeatedBlocks:
+def _heated_exact(block: ForceBlock, elements: HeatedElements) -> HeatedBlocks:
     shell = elements.shell()
     return shell, ThermalCouplingBlock(block.name, shell, elements.coords)
+
+
+def _heated_damped(block: DampedShellBlock, elements: HeatedElements) -> HeatedBlocks:
+    own = elements.name, elements.coords, elements.scale, elements.reference, elements.section
+    return *_heated_exact(block, elements), KelvinVoigtBlock(*own, block.time, elements.n_gauss)
 
 
 def _heated_linear(block: LinearShellBlock, elements: HeatedElements) -> HeatedBlocks:
@@ -59,11 +64,12 @@ def _heated_in_frames(block: FrameShellBlock, elements: HeatedElements) -> Heate
 
 HEATED: dict[type[ForceBlock], Callable[[Any, HeatedElements], HeatedBlocks]] = {
     ShellBlock: _heated_exact,
+    DampedShellBlock: _heated_damped,
     LinearShellBlock: _heated_linear,
     FloatingShellBlock: _heated_in_frames,
     CorotationalShellBlock: _heated_in_frames,
 }
 """For each strain model, how its block is given temperatures."""
 
-SHELL = ShellModels(Plate48(), STRAIN_MODELS, KelvinVoigtBlock, HEATED)
+SHELL = ShellModels(Plate48(), STRAIN_MODELS, KelvinVoigtBlock, DampedShellBlock, HEATED)
 """All of them together."""

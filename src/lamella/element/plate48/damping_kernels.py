@@ -5,13 +5,16 @@ With the rates of the strains sdot = (ds/dg) gdot and the viscous stiffness C, t
     f = (ds/dq)^T N_d,   df/dv = (ds/dq)^T C (ds/dq),   df/dq = sum_k N_d,k d2s_k/dq2 + (ds/dq)^T C (dsdot/dq)
 
 and dissipate N_d . sdot. The last term is not symmetric. The rates vanish in rigid motion, whatever its speed.
+
+With C = c C_e the elastic resultants C_e s are of the same kind: where they are wanted too, they are added to N_d, and 1 to the
+weight of (ds/dq)^T C_e (ds/dq), at hardly any cost.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, njit
+from lamella._jit import inlined, kernel
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
@@ -19,6 +22,7 @@ from lamella.element.plate48.interpolation import (
     gather,
     interpolate_eta,
     interpolate_xi,
+    reference,
     spread_eta,
     spread_xi,
     stiffness,
@@ -30,10 +34,12 @@ from lamella.element.plate48.strain import (
     combined3,
     dot,
     energy_density,
+    extrapolated_strains,
     gradient,
     normal_change,
     resultants,
     scaled,
+    strains,
     surface_frame,
 )
 from lamella.lane import WIDTH, load, spread, store
@@ -163,7 +169,7 @@ def _store_small(work: Floats, at: int, g: Any, m: Vector, d1: Vector, d2: Vecto
         _store_vector(work, at + 21, d2)
 
 
-@njit
+@kernel
 def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: int, c: int, d: int, cubed: Cubed) -> None:
     """Add (ds/dg)^T C dsdot/dg to the symmetric part for the components (c, d) and store the 25 entries at ``target``."""
     low, high = min(c, d), max(c, d)
@@ -197,10 +203,20 @@ def _gather_both(q: Floats, v: Floats, index: Ints, scale: Floats, block: int, t
     interpolate_eta(work, 0, 48 + 36 * n, table, n)
 
 
-@njit
+@inlined
+def _weighted6(a: float, s: tuple[Any, ...], b: float, r: tuple[Any, ...]) -> tuple[Any, ...]:
+    return (
+        a * s[0] + b * r[0], a * s[1] + b * r[1], a * s[2] + b * r[2],
+        a * s[3] + b * r[3], a * s[4] + b * r[4], a * s[5] + b * r[5],
+    )  # fmt: skip
+
+
+@kernel
 def viscous_force(
     q: Floats,
     v: Floats,
+    time: float,
+    elastic: bool,
     index: Ints,
     scale: Floats,
     sections: Floats,
@@ -211,7 +227,10 @@ def viscous_force(
     f: Floats,
     power: Floats,
 ) -> None:
-    """Viscous force of the elements, f (block, 48), and the power they dissipate, power (block,)."""
+    """Viscous force of the elements, f (block, 48), and the power they dissipate, power (block,).
+
+    The sections hold the elastic stiffness C_e, time is c; with ``elastic`` the elastic force is added.
+    """
     lines, rates, sums = 48, 48 + 36 * n, 48 + 72 * n
     for block in range(index.size // (48 * WIDTH)):
         _gather_both(q, v, index, scale, block, table, n, work)
@@ -221,19 +240,28 @@ def viscous_force(
                 g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
                 s_rate = strain_rates(g, g_rate, m, normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed))
-                res = resultants(stiffness(sections, ((block * n + j) * n + i) * N_SECTION), s_rate)
-                total = total + 2.0 * energy_density(res, s_rate)
+                at = ((block * n + j) * n + i) * N_SECTION
+                c = stiffness(sections, at)
+                res = resultants(c, s_rate)
+                total = total + 2.0 * time * energy_density(res, s_rate)
+                res = _weighted6(time, res, 0.0, res)
+                if elastic:
+                    res = _weighted6(1.0, res, 1.0, resultants(c, strains(g, m, reference(sections, at))))
                 spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)
         store(power, block, total)
 
 
-@njit
+@kernel
 def viscous_tangent(
     q: Floats,
     v: Floats,
+    q_previous: Floats,
+    extrapolate: bool,
     alpha_q: float,
     alpha_v: float,
+    time: float,
+    elastic: bool,
     index: Ints,
     scale: Floats,
     sections: Floats,
@@ -243,8 +271,13 @@ def viscous_tangent(
     work: Floats,
     k: Floats,
 ) -> None:
-    """alpha_q df/dq + alpha_v df/dv of the viscous force, all entries, k (block, 2304)."""
-    lines, rates, small = 48, 48 + 36 * n, 48 + 72 * n
+    """alpha_q df/dq + alpha_v df/dv of the viscous force, all entries, k (block, 2304).
+
+    With ``elastic`` that of the elastic force is added, the resultants of its geometric part extrapolated from ``q_previous``
+    if ``extrapolate``.
+    """
+    lines, rates, previous, small = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n
+    weight = time * alpha_v + (alpha_q if elastic else 0.0)
     rows = small + (15 if cubed is None else 24)
     symmetric = rows + 90
     z = symmetric + 150
@@ -253,23 +286,34 @@ def viscous_tangent(
     position = 0
     for block in range(index.size // (48 * WIDTH)):
         _gather_both(q, v, index, scale, block, table, n, work)
+        if elastic and extrapolate:
+            gather(q_previous, index, scale, block, work, 0)
+            interpolate_eta(work, 0, previous, table, n)
         for j in range(n):
             for i in range(n):
                 g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
+                factor = alpha_q * time
                 g_rate = (
-                    scaled(alpha_q, g_rate[0]),
-                    scaled(alpha_q, g_rate[1]),
-                    scaled(alpha_q, g_rate[2]),
-                    scaled(alpha_q, g_rate[3]),
-                    scaled(alpha_q, g_rate[4]),
+                    scaled(factor, g_rate[0]),
+                    scaled(factor, g_rate[1]),
+                    scaled(factor, g_rate[2]),
+                    scaled(factor, g_rate[3]),
+                    scaled(factor, g_rate[4]),
                 )
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
                 m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
-                c = stiffness(sections, ((block * n + j) * n + i) * N_SECTION)
+                at = ((block * n + j) * n + i) * N_SECTION
+                c = stiffness(sections, at)
                 gammas = _store_rate_rows(g, g_rate, m, m_rate, d1, d2, c, work, rows, cubed)
                 _store_small(work, small, g, m, d1, d2, gammas, cubed)
-                res = resultants(c, strain_rates(g, g_rate, m, m_rate))
-                c = _scaled21(alpha_v, c)
+                s = strain_rates(g, g_rate, m, m_rate)
+                if elastic and extrapolate:
+                    g_previous = interpolate_xi(work, previous, table, i, j)
+                    s = _weighted6(1.0, s, alpha_q, extrapolated_strains(g, g_previous, reference(sections, at), cubed))
+                elif elastic:
+                    s = _weighted6(1.0, s, alpha_q, strains(g, m, reference(sections, at)))
+                res = resultants(c, s)
+                c = _scaled21(weight, c)
                 store_hessian(work, symmetric, 25, g, m, d1, d2, c, res, cubed)
                 for pair in range(9):
                     target = hessian + ((pair * n + i) * n + j) * 25
@@ -282,4 +326,4 @@ def viscous_tangent(
 
 def viscous_work_size(n: int) -> int:
     """Lanes of work space for n x n Gauss points."""
-    return 48 + 2 * 36 * n + 24 + 90 + 150 + 15 * n + 144 * n + 9 * n * n * 25 + 36 * n
+    return 48 + 3 * 36 * n + 24 + 90 + 150 + 15 * n + 144 * n + 9 * n * n * 25 + 36 * n

@@ -14,7 +14,7 @@ flat and hold lanes of numbers, one for each element of a block, and are counted
 
 from __future__ import annotations
 
-from lamella._jit import njit
+from lamella._jit import kernel
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
@@ -40,7 +40,7 @@ from lamella.lane import WIDTH, spread, store
 from lamella.roles import Floats, Ints
 
 
-@njit
+@kernel
 def energy(
     q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, cubed: Cubed, work: Floats, out: Floats
 ) -> None:
@@ -59,7 +59,7 @@ def energy(
         store(out, block, total)
 
 
-@njit
+@kernel
 def force(
     q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, cubed: Cubed, work: Floats, f: Floats
 ) -> None:
@@ -79,7 +79,7 @@ def force(
         spread_eta(work, sums, table, n, f, block * 48)
 
 
-@njit
+@kernel
 def _points_of_block(
     sections: Floats,
     block: int,
@@ -108,7 +108,7 @@ def _points_of_block(
             store_hessian(work, hessian + (i * n + j) * 25, step, g, m, d1, d2, c, res, cubed)
 
 
-@njit
+@kernel
 def force_tangent(
     q: Floats,
     q_previous: Floats,

@@ -39,10 +39,6 @@ class Section:
         """A section, from itself or from a stiffness alone."""
         return section if isinstance(section, Section) else cls(np.asarray(section, float))
 
-    def times(self, factor: float) -> Section:
-        """The section with its stiffness multiplied."""
-        return replace(self, stiffness=factor * self.stiffness)
-
     @property
     def cubed(self) -> Cubed:
         """The definition of curvature as the kernels take it."""
