@@ -100,6 +100,7 @@ if TYPE_CHECKING:
     from lamella.stability import buckling as buckling
     from lamella.statics import equilibrium as equilibrium
     from lamella.statics import equilibrium_path as equilibrium_path
+    from lamella.stepping.run import Stepping as Stepping
     from lamella.surface.function import FunctionSurface as FunctionSurface
     from lamella.surface.points import PointSurface as PointSurface
     from lamella.surface.pulleys import PulleySurface as PulleySurface
@@ -202,6 +203,7 @@ _HOME = {
     "solve.displacement_control": ("DisplacementControl",),
     "solve.newton": ("Newton",),
     "statics": ("equilibrium", "equilibrium_path"),
+    "stepping.run": ("Stepping",),
     "surface.function": ("FunctionSurface",),
     "surface.points": ("PointSurface",),
     "surface.pulleys": ("PulleySurface",),
