@@ -38,7 +38,18 @@ LAYERS = [
     {"solve"},
     {"integrate"},
     {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear", "stepping"},
-    {"__init__", "study", "sweep", "io", "viz", "verification", "bench", "examples", "templates"},  # __init__: the public names
+    {
+        "__init__",
+        "study",
+        "sweep",
+        "io",
+        "fmu",
+        "viz",
+        "verification",
+        "bench",
+        "examples",
+        "templates",
+    },  # __init__: the public names
     {"cli", "__main__"},
 ]
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}

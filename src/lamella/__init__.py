@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lamella.contact.obstacles import PlaneContact as PlaneContact
     from lamella.contact.obstacles import SphereContact as SphereContact
     from lamella.critical import CriticalPoint as CriticalPoint
+    from lamella.fmu.export import export_fmu as export_fmu
     from lamella.integrate.bdf import BDF as BDF
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
@@ -135,6 +136,7 @@ _HOME = {
     "contact.friction": ("BristleFriction", "RegularisedFriction"),
     "contact.obstacles": ("CylinderContact", "PlaneContact", "SphereContact"),
     "critical": ("CriticalPoint",),
+    "fmu.export": ("export_fmu",),
     "integrate.bdf": ("BDF",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
     "io.results": ("read_result",),
