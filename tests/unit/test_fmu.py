@@ -39,7 +39,7 @@ system:
 analysis:
   hanging: {type: statics, steps: 2}
   plant: {type: linear, about: hanging, inputs: [actuator], outputs: [tip.position.z, root.torque.y]}
-  motion: {type: motion, start: hanging, t_end: 0.1 s, integrator: {type: generalized_alpha, dt: 1 ms, newton: {tolerance: 1e-10}}}
+  motion: {type: motion, start: hanging, t_end: 0.1 s, integrator: {dt: 1 ms, newton: {tolerance: 1e-10}}}
 """
 OUTPUTS = ["tip.position.z", "root.torque.y"]
 STEP = 5e-3
@@ -168,7 +168,7 @@ def test_a_master_simulates_it(units, fmi):
 def test_a_step_that_fails_is_told(units, fmi, tmp_path):
     unit = instance(units[fmi], fmi, tmp_path)
     unit.begin(1e9)
-    with pytest.raises(Exception, match="doStep|DoStep"):
+    with pytest.raises(Exception, match=r"fmi\dDoStep failed"):
         unit.slave.doStep(0.0, STEP)
     unit.slave.freeInstance()
 

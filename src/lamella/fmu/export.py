@@ -130,9 +130,8 @@ def _motion(file: ModelFile, name: str | None) -> Motion:
     found = [item for item in motions if name in (None, item.name)]
     if len(found) != 1:
         there = ", ".join(item.name for item in motions) or "none"
-        asked = (
-            f"no motion '{name}'" if name else "no motion, whose integrator a unit takes" if not motions else "several motions"
-        )
+        missing = "several motions" if motions else "no motion, whose integrator a unit takes"
+        asked = f"no motion '{name}'" if name else missing
         raise ModelError(f"{ITEM}: '{file.name}' has {asked}; there are: {there}")
     return found[0]
 

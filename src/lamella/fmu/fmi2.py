@@ -21,6 +21,7 @@ class Fmi2Unit(Fmi2Slave):
         self.plant = Plant(self.resources)
         interface = self.plant.interface
         self.modelName, self.description = interface.name, interface.description
+        self._t_start = interface.t_start
         self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)
         for item in interface.inputs:
             self._add(item, Fmi2Causality.input, lambda name=item.name: self.plant.input(name))

@@ -24,14 +24,8 @@ class Fmi3Unit(Fmi3Slave):
         self.time = interface.t_start
         units = sorted({item.unit for item in (*interface.inputs, *interface.outputs)} - {NONE} | {"s"})
         self.register_units([Unit(unit, **_numbers(base_units(unit))) for unit in units])
-        clock = Float64(
-            "time",
-            causality=Fmi3Causality.independent,
-            variability=Fmi3Variability.continuous,
-            unit="s",
-            getter=lambda: self.time,
-        )
-        self.register_variable(clock, nested=False)
+        kind = {"causality": Fmi3Causality.independent, "variability": Fmi3Variability.continuous}
+        self.register_variable(Float64("time", unit="s", getter=lambda: self.time, **kind), nested=False)
         for item in interface.inputs:
             self._add(item, Fmi3Causality.input, lambda name=item.name: self.plant.input(name))
         for item in interface.outputs:

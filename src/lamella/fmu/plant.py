@@ -134,7 +134,7 @@ def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
     if (folder / START).is_file():
         with np.load(folder / START) as arrays:
             initial = State(t, *(arrays[name] for name in ARRAYS))
-            imperfection = arrays["imperfection"] if "imperfection" in arrays else None
+            imperfection = arrays.get("imperfection")
     system = model.system.compile(imperfection)
     outputs = [item.name for item in interface.outputs]
     return Stepping(system, motion.integrator, inputs=interface.channels, outputs=outputs, t_start=t, initial=initial)
