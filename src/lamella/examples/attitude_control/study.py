@@ -136,7 +136,7 @@ def foretold(runs: Runs, plant: StateSpace, law: Law) -> Finding:
         "The linear model foretells the pointing error at sunrise.",
         apart < 0.1 * float(np.abs(measured).max()),
         rounded(numbers),
-        "Linear about the cold satellite in the shade, light held over each sample. What it leaves out: the panel turns out of the "
+        "Linear about the cold satellite in the shade, light held over each sample. It leaves out that the panel turns out of the "
         "light as it bends, and becomes longer.",
     )
 
