@@ -27,6 +27,8 @@ from lamella.study.study import Study
 
 MEASURED = ("bearing.angle", "bearing.rate")
 SHADE, LOOP = ("system.sun.profile=0",), ("system.wheel.profile=1",)
+HOLD = 0.1
+"""Time for which the linear model holds the light [s]."""
 OUTSIDE = 20.0
 """Time for which the loop is also closed from outside [s]."""
 Runs = Mapping[str, Result]
@@ -115,15 +117,17 @@ def foretold(runs: Runs, plant: StateSpace, law: Law) -> Finding:
     """The linear model with the sampled feedback, against the nonlinear motion before the slew."""
     run = runs["bending unknown"]
     last = min(SLEW[0], float(run.at[-1]))
-    t = np.arange(0.0, last + 0.5 * PERIOD, PERIOD)
+    t = np.arange(0.0, last - 0.5 * HOLD, HOLD)
     n, m = plant.B.shape
-    step = expm(np.block([[plant.A, plant.B], [np.zeros((m, n + m))]]) * PERIOD)
+    step = expm(np.block([[plant.A, plant.B], [np.zeros((m, n + m))]]) * HOLD)
     F, G = step[:n, :n], step[:n, n:]
-    x, angle = np.zeros(n), []
-    for now in t:
+    x, angle, u = np.zeros(n), [], np.zeros(m)
+    for k, now in enumerate(t):
         y = plant.C[:2] @ x
         angle.append(y[0])
-        u = np.array([-law.k_p * y[0] - law.k_d * y[1], light(np.array([now + 0.5 * PERIOD]))[0]])
+        if k % round(PERIOD / HOLD) == 0:
+            u[0] = -law.k_p * y[0] - law.k_d * y[1]
+        u[1] = light(np.array([now + 0.5 * HOLD]))[0]
         x = F @ x + G @ u
     measured = np.interp(t, run.at, 1e-3 * error(run))
     apart = float(np.abs(measured - angle).max())
@@ -136,8 +140,8 @@ def foretold(runs: Runs, plant: StateSpace, law: Law) -> Finding:
         "The linear model foretells the pointing error at sunrise.",
         apart < 0.1 * float(np.abs(measured).max()),
         rounded(numbers),
-        "Linear about the cold satellite in the shade, light held over each sample. It leaves out that the panel turns out of the "
-        "light as it bends, and becomes longer.",
+        "Linear about the cold satellite in the shade, light held for 0.1 s. It leaves out that the panel turns away "
+        "as it bends, and becomes longer.",
     )
 
 
