@@ -12,10 +12,10 @@ from lamella.roles import Floats
 
 INCIDENCE = np.radians(65.0)
 SUNRISE = (10.0, 20.0)
-SLEW, TURN = (30.0, 70.0), 0.5 * np.pi
+SLEW, TURN = (40.0, 80.0), 0.5 * np.pi
 HUB = 200.0
 RHO, C, ALPHA, H, FLUX = 36.8, 921.0, 2.3e-5, 0.0103, 0.79 * 1350.0
-PERIOD = 1.0
+PERIOD = 0.2
 """Time between two samples of the controller [s]."""
 OMEGA, ZETA = 0.1, 0.7
 """Bandwidth [rad/s] and damping ratio of the feedback, for a satellite that were rigid."""

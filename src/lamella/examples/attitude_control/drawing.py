@@ -15,7 +15,7 @@ from lamella.study.measures import component
 if TYPE_CHECKING:
     from lamella.study.study import Study
 
-MOMENTS = (0.0, 28.0, 50.0, 85.0)
+MOMENTS = (0.0, 30.0, 60.0, 120.0)
 """Times of the shaded picture [s]."""
 
 
@@ -44,7 +44,7 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
     study.show(
         plot_curves(errors, "Time [s]", "Pointing error [mrad]"),
         "pointing-error",
-        "Attitude less what is wanted: the sun rises from 10 to 20 s, the satellite turns from 30 to 70 s.",
+        "Attitude less what is wanted: the sun rises from 10 to 20 s, the satellite turns from 40 to 80 s.",
     )
     study.show(
         plot_curves({n: (r.at, r.history("pilot.output").values) for n, r in sunny.items()}, "Time [s]", "Torque [N m]"),
