@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).parent.parent / "src" / "lamella"
 LAYERS = [
     {
         "errors",
+        "memory",
         "units",
         "declaration",
         "roles",
@@ -36,8 +37,19 @@ LAYERS = [
     {"assembly", "signals"},
     {"solve"},
     {"integrate"},
-    {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear"},
-    {"__init__", "study", "sweep", "io", "viz", "verification", "bench", "examples", "templates"},  # __init__: the public names
+    {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear", "stepping"},
+    {
+        "__init__",
+        "study",
+        "sweep",
+        "io",
+        "fmu",
+        "viz",
+        "verification",
+        "bench",
+        "examples",
+        "templates",
+    },  # __init__: the public names
     {"cli", "__main__"},
 ]
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lamella.contact.obstacles import PlaneContact as PlaneContact
     from lamella.contact.obstacles import SphereContact as SphereContact
     from lamella.critical import CriticalPoint as CriticalPoint
+    from lamella.fmu.export import export_fmu as export_fmu
     from lamella.integrate.bdf import BDF as BDF
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
     from lamella.io.results import read_result as read_result
@@ -100,6 +101,7 @@ if TYPE_CHECKING:
     from lamella.stability import buckling as buckling
     from lamella.statics import equilibrium as equilibrium
     from lamella.statics import equilibrium_path as equilibrium_path
+    from lamella.stepping.run import Stepping as Stepping
     from lamella.surface.function import FunctionSurface as FunctionSurface
     from lamella.surface.points import PointSurface as PointSurface
     from lamella.surface.pulleys import PulleySurface as PulleySurface
@@ -134,6 +136,7 @@ _HOME = {
     "contact.friction": ("BristleFriction", "RegularisedFriction"),
     "contact.obstacles": ("CylinderContact", "PlaneContact", "SphereContact"),
     "critical": ("CriticalPoint",),
+    "fmu.export": ("export_fmu",),
     "integrate.bdf": ("BDF",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
     "io.results": ("read_result",),
@@ -202,6 +205,7 @@ _HOME = {
     "solve.displacement_control": ("DisplacementControl",),
     "solve.newton": ("Newton",),
     "statics": ("equilibrium", "equilibrium_path"),
+    "stepping.run": ("Stepping",),
     "surface.function": ("FunctionSurface",),
     "surface.points": ("PointSurface",),
     "surface.pulleys": ("PulleySurface",),

@@ -10,6 +10,7 @@ import numpy as np
 
 from lamella.errors import ModelError
 from lamella.kinematics import Frame, VectorRows
+from lamella.memory import Memory
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock, Ints
 from lamella.switch import SwitchedForce
 
@@ -55,7 +56,7 @@ class Trigger:
 
 
 class Sampler(Protocol):
-    """Something that acts at sample times on measured signals; see :class:`lamella.load.controller.Controller`."""
+    """Something with a memory that acts at sample times on measured signals; see :mod:`lamella.load.controller`."""
 
     name: str
     measures: tuple[str, ...]
@@ -99,7 +100,8 @@ class Signal:
         unit: for example ``m``.
         labels: names of the components, empty for a scalar.
         evaluate: gives the value from a state, shape (len(labels),) or scalar.
-        description, cumulative: a sentence for the result file; whether it is a sum over all states, those not recorded as well.
+        description: a sentence for the result file.
+        cumulative, history: whether it depends on all states, those not recorded as well; what it remembers of them.
     """
 
     name: str
@@ -108,6 +110,7 @@ class Signal:
     evaluate: Callable[[State], Floats | float]
     description: str = ""
     cumulative: bool = False
+    history: tuple[Memory, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -236,7 +239,7 @@ class Build:
         return q + self.imperfection[3 * self.n_vectors : 3 * (self.n_vectors + len(q))].reshape(-1, 3)
 
     def vectors(self, owner: str, q: Floats, v: Floats, is_position: Bools, magnitude: Floats) -> int:
-        """Number a body's coordinate vectors.
+        """Number a body's coordinate vectors; gives the number of the first.
 
         Args:
             owner: name of the body.
@@ -245,9 +248,6 @@ class Build:
             is_position: True where a vector is a position (moved by a translation), shape (n,).
             magnitude: typical size of a change of each vector (length for a position, 1 for a slope), for convergence
                 criteria that do not depend on the unit system, shape (n,).
-
-        Returns:
-            The number of the first vector.
 
         Raises:
             ModelError: scalar fields, which lie behind all vectors, are numbered already.

@@ -17,7 +17,7 @@ from lamella.integrate.events import EventWatch
 from lamella.integrate.sampling import Sampling
 from lamella.model import Model
 from lamella.progress import ProgressBar, compilation_notice
-from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
+from lamella.result import Cause, Outcome, Recorder, Result, Sink, Start, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
 from lamella.solve.initial import changes, make_consistent, refuse_locked, solve_rates
@@ -85,29 +85,18 @@ def simulate(
     began = time.perf_counter()
     with compilation_notice(progress):
         model = system.compile() if isinstance(system, System) else system
-        if model.spin is not None:
-            raise ModelError(
-                "simulate: the system is described in a frame that spins (SteadySpin), where motion is not available; "
-                "accepted is a system in the inertial frame, driven for example by an AngleDrive"
-            )
+        refuse_spin(model, "simulate")
         model.reset()
         equations, statistics = Equations(model), Statistics()
-        stepper = integrator.stepper(equations, statistics, solver)
-        point = equations.start(t_start) if initial is None else equations.point_of(initial, t_start)
         linear = linear_solver(equations.matrix.pattern, solver)
-        make_consistent(equations, point, linear)
-        refuse_locked(equations)
-        given = (model.q0, model.v0) if initial is None else (initial.q, initial.v)
-        start = changes(equations, point, *given)
-        statistics.seconds_compile = time.perf_counter() - began
+        point, start = consistent_start(equations, linear, t_start, initial)
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
         recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
-        state = equations.state(point)
-        model.settle(state)
-        stepper.restart(point)
-        march = _March(equations, stepper, integrator, recorder, statistics, t_end, linear, every, stride)
-        outcome = _judged(replace(march.run(point.t, state), start=start), equations, march.state, recorder)
+        march = March(equations, integrator, recorder, statistics, t_end, linear, solver, every, stride)
+        march.begin(point)
+        statistics.seconds_compile = time.perf_counter() - began
+        outcome = _judged(replace(march.run(), start=start), equations, march.state, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
     result = Result(model, recorder, march.state, outcome, statistics)
@@ -116,6 +105,29 @@ def simulate(
     if not outcome.completed and on_failure == "raise":
         raise ConvergenceError(f"the motion {outcome}", outcome, result)
     return result
+
+
+def refuse_spin(model: Model, item: str) -> None:
+    """Refuse a system that is described in a frame that spins.
+
+    Raises:
+        ModelError: it is; the message begins with ``item``.
+    """
+    if model.spin is not None:
+        raise ModelError(
+            f"{item}: the system is described in a frame that spins (SteadySpin), where motion is not available; "
+            "accepted is a system in the inertial frame, driven for example by an AngleDrive"
+        )
+
+
+def consistent_start(equations: Equations, linear: LinearSolver, t: float, initial: State | None) -> tuple[Point, Start]:
+    """The consistent point nearest to a state, the reference configuration when left out, and what had to be changed."""
+    model = equations.model
+    point = equations.start(t) if initial is None else equations.point_of(initial, t)
+    make_consistent(equations, point, linear)
+    refuse_locked(equations)
+    given = (model.q0, model.v0) if initial is None else (initial.q, initial.v)
+    return point, changes(equations, point, *given)
 
 
 def _judged(outcome: Outcome, equations: Equations, final: State, recorder: Recorder) -> Outcome:
@@ -137,58 +149,68 @@ def _judged(outcome: Outcome, equations: Equations, final: State, recorder: Reco
     return replace(outcome, detail="; ".join(warnings))
 
 
-class _March:
-    """The loop over time: step size, rejection, stops at breakpoints, recording."""
+class March:
+    """The loop over time: step size, rejection, stops at breakpoints, recording.
+
+    ``dt`` is the step to go on with [s], None after a restart. The arguments are those of :func:`simulate`.
+    """
 
     def __init__(
         self,
         equations: Equations,
-        stepper: Stepper,
         integrator: Integrator,
         recorder: Recorder,
         statistics: Statistics,
         t_end: float,
         linear: LinearSolver,
+        solver: Method = "auto",
         every: float | None = None,
         stride: int = 1,
     ) -> None:
-        self.equations, self.stepper, self.integrator = equations, stepper, integrator
+        self.equations, self.integrator = equations, integrator
+        self.stepper: Stepper = integrator.stepper(equations, statistics, solver)
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
         self.every, self.stride = every, stride
         self.point: Point | None = None
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
         self.sampling = Sampling(equations.model.samplers, recorder.signals, recorder.start)
 
-    def run(self, t: float, state: State) -> Outcome:
+    def begin(self, point: Point) -> None:
+        """Start from a consistent point."""
+        self.t, self.state, self.dt = point.t, self.equations.state(point), None
+        self.equations.model.settle(self.state)
+        self.stepper.restart(point)
+        self.watch.begin(self.state)
+
+    def run(self) -> Outcome:
         """Step to the end; whatever happens, what was recorded stays valid."""
-        self.state, self.t = state, t
-        self.watch.begin(state)
-        outcome = self._run(t, state)
+        outcome = self._run()
         return replace(outcome, events=tuple(self.watch.happened)) if self.watch.happened else outcome
 
-    def _run(self, t: float, state: State) -> Outcome:
-        jumps = [s for s in self.equations.model.breakpoints if t < s < self.t_end] + [self.t_end]
+    def _run(self) -> Outcome:
+        jumps = [s for s in self.equations.model.breakpoints if self.t < s < self.t_end] + [self.t_end]
         try:
-            self.recorder.sample(t, state)
-            self._control()
+            self.recorder.sample(self.t, self.state)
+            self.control()
             while jumps:
                 stop = min(jumps[0], self.sampling.next(self.t))
                 jumping = stop == jumps[0] and stop < self.t_end
-                failure = self._advance(stop, jumping)
+                failure = self.advance(stop, jumping)
                 if failure is not None:
                     return failure
                 if stop == jumps[0]:
                     jumps = jumps[1:]
-                if stop < self.t_end and not self._control():
-                    self._restart()
+                if stop < self.t_end and not self.control():
+                    self.restart()
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.t, self.t_end)
         except ResultFileError as error:
             return Outcome(Cause.WRITE_FAILED, self.t, self.t_end, str(error))
         return Outcome(Cause.COMPLETED, self.t, self.t_end)
 
-    def _advance(self, stop: float, jumping: bool) -> Outcome | None:
-        dt = self.stepper.first_step(self.integrator.dt)
+    def advance(self, stop: float, jumping: bool) -> Outcome | None:
+        """Step to a time; ``jumping`` says that something jumps there. The outcome when it is not reached."""
+        dt = self.stepper.first_step(self.integrator.dt) if self.dt is None else self.dt
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
@@ -230,8 +252,9 @@ class _March:
                 ending = [trigger.text for trigger in triggers if trigger.stops]
                 if ending:
                     return Outcome(Cause.EVENT, self.t, self.t_end, ending[0])
-                self._restart()
+                self.restart()
                 dt = self.stepper.first_step(dt)
+        self.dt = dt
         return None
 
     def _sample_between(self, before: float, after: float) -> None:
@@ -251,11 +274,11 @@ class _March:
             cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
         return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
 
-    def _control(self) -> bool:
+    def control(self) -> bool:
         """Let controllers act whose time it is; the state behind the jump of their loads is recorded as well."""
         if not self.sampling.act(self.t, self._whole()):
             return False
-        self._restart()
+        self.restart()
         self.recorder.sample(self.t, self.state)
         return True
 
@@ -265,9 +288,10 @@ class _March:
             self.state = self.equations.state(self.point)
         return self.state
 
-    def _restart(self) -> None:
-        """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""
+    def restart(self) -> None:
+        """After a jump of a load or an input: velocities go on, accelerations and multipliers are solved for anew."""
         point = self.equations.point_of(self.state, self.t)
         solve_rates(self.equations, point, self.linear)
         self.state = self.equations.state(point)
         self.stepper.restart(point)
+        self.dt = None

@@ -23,6 +23,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lamella.memory import Memory
+
 if TYPE_CHECKING:
     from lamella.dofs import Build
 
@@ -57,7 +59,7 @@ class Declaration(ABC):
         """Add coordinates, blocks, constraints and signals to the build."""
 
 
-class ForceBlock(ABC):
+class ForceBlock(Memory, ABC):
     """Forces that depend on time, position and velocity, with their tangent.
 
     1. ``f_coords`` (n_f,) holds the global coordinate of each entry of the force buffer, -1 for padding; ``f_scale`` (n_f,) the
@@ -71,7 +73,7 @@ class ForceBlock(ABC):
     6. ``dissipation`` is the power [W] turned into heat, never negative, 0.0 when there is none.
     7. A block with discrete state (a latch that has engaged, the turns an angle has made) changes it only between steps:
        ``settle`` is called once with each accepted configuration. ``reset`` puts the state back to that of the start of a run.
-       ``settled_heat`` is the energy that such changes have turned into heat since then.
+       ``settled_heat`` is the energy that such changes have turned into heat since then. ``remembered`` names that state.
     8. A block most of whose tangent vanishes (contact) may divide the buffer: part i begins at ``k_parts[i]`` and ends at
        ``k_parts[i + 1]``. ``force_tangent`` then says in ``k_used`` (n_part,) which parts it has written; the others count as 0.
     """
@@ -114,10 +116,10 @@ class ForceBlock(ABC):
         """Whether its force is the same for all states at one time, so that it is evaluated once for each time."""
         return not len(self.k_rows) and not self.depends_on_velocity
 
-    def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
+    def settle(self, t: float, q: Floats) -> None:
         """Take note of an accepted configuration (rule 7)."""
 
-    def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
+    def reset(self) -> None:
         """Forget what happened in an earlier run (rule 7)."""
 
     def settled_heat(self) -> float:
@@ -135,7 +137,7 @@ class InertiaBlock(ABC):
         """Rows, columns and values of all entries (both triangles); duplicates are summed."""
 
 
-class ConstraintBlock(ABC):
+class ConstraintBlock(Memory, ABC):
     """Equations Phi(t, q) = 0 that take Lagrange multipliers.
 
     1. ``n_lam`` equations; ``j_rows`` (0 <= row < n_lam) and ``j_cols`` (coordinates) list the entries of Phi_q.
@@ -193,8 +195,8 @@ class ConstraintBlock(ABC):
     def gamma(self, t: float, q: Floats, v: Floats, out: Floats) -> None:
         """Write (Phi_q v)_q v + 2 Phi_qt v + Phi_tt (n_lam,)."""
 
-    def settle(self, t: float, q: Floats) -> None:  # noqa: B027 - most blocks have no discrete state
+    def settle(self, t: float, q: Floats) -> None:
         """Take note of an accepted configuration (rule 8)."""
 
-    def reset(self) -> None:  # noqa: B027 - most blocks have no discrete state
+    def reset(self) -> None:
         """Forget what happened in an earlier run (rule 8)."""

@@ -14,6 +14,7 @@ from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
 from lamella.kinematics import vectors_of
+from lamella.memory import Memory
 from lamella.roles import Floats, ForceBlock, Ints
 from lamella.state import State
 
@@ -145,7 +146,7 @@ class OncePerState:
         return self._last[1]
 
 
-class WorkMeter:
+class WorkMeter(Memory):
     """Work done since the first state given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
 
     For constant forces this is exact whatever the step.
@@ -153,6 +154,8 @@ class WorkMeter:
     Args:
         force_and_path: gives the force and the coordinates it works on, in arrays that are not written again.
     """
+
+    remembered = ("work", "_last")
 
     def __init__(self, force_and_path: Callable[[State], tuple[Floats, Floats]]) -> None:
         self.force_and_path = force_and_path
@@ -167,7 +170,7 @@ class WorkMeter:
         return self.work
 
 
-class ActuatorMeter:
+class ActuatorMeter(Memory):
     """Work put into potentials that change with time or temperature: sum over steps of the change of V(t, q, T) with t and T at
     both ends, averaged over the positions at both ends.
 
@@ -175,6 +178,8 @@ class ActuatorMeter:
         blocks: blocks whose potential depends on time or temperature.
         n_motion: number of coordinates of motion, which come first.
     """
+
+    remembered = ("work", "_last")
 
     def __init__(self, blocks: Sequence[ForceBlock], n_motion: int) -> None:
         self.blocks, self.work, self.n_motion = blocks, 0.0, n_motion
@@ -191,6 +196,21 @@ class ActuatorMeter:
                 self.work += 0.5 * sum(block.energy(state.t, now) - block.energy(t, before) for block in self.blocks)
         self._last = state.t, state.q
         return self.work
+
+
+class Baseline(Memory):
+    """The first of all values given."""
+
+    remembered = ("first",)
+
+    def __init__(self) -> None:
+        self.first: float | None = None
+
+    def __call__(self, value: float) -> float:
+        """The value, less the first one."""
+        if self.first is None:
+            self.first = value
+        return value - self.first
 
 
 def energy_signals(equations: Equations) -> list[Signal]:
@@ -247,6 +267,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return along_the_way(state) + sum(block.settled_heat() for block in model.forces)
 
     last: dict[str, float] = {}
+    from_start = Baseline()
 
     def kept(name: str, evaluate: Callable[[State], float]) -> Callable[[State], float]:
         def value(state: State) -> float:
@@ -257,13 +278,12 @@ def energy_signals(equations: Equations) -> list[Signal]:
 
     def balance(state: State) -> float:
         total = last["kinetic"] + last["strain"] + last["dissipated"] - last["loads"] - last["supports"]
-        last.setdefault("start", total)
-        return total - last["start"]
+        return from_start(total)
 
     return [
         Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy"),
         Signal("energy.strain", "J", (), kept("strain", strain), "strain energy"),
-        Signal("work.loads", "J", (), kept("loads", loads), "work of the loads", cumulative=True),
+        Signal("work.loads", "J", (), kept("loads", loads), "work of the loads", cumulative=True, history=(loads,)),
         Signal(
             "work.supports",
             "J",
@@ -271,8 +291,17 @@ def energy_signals(equations: Equations) -> list[Signal]:
             kept("supports", supports),
             "work of moving supports, drives and thermal strain",
             cumulative=True,
+            history=(along_motions, actuators),
         ),
-        Signal("work.dissipated", "J", (), kept("dissipated", dissipated), "energy turned into heat by damping", cumulative=True),
+        Signal(
+            "work.dissipated",
+            "J",
+            (),
+            kept("dissipated", dissipated),
+            "energy turned into heat by damping",
+            cumulative=True,
+            history=(along_the_way,) if isinstance(along_the_way, Memory) else (),
+        ),
         Signal("power.dissipated", "W", (), power, "power turned into heat by damping"),
-        Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution"),
+        Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution", history=(from_start,)),
     ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from lamella.roles import Floats, ForceBlock
 
 
@@ -12,6 +14,8 @@ class SwitchedForce(ForceBlock):
         block: the block.
         on: whether it acts at the start of a run.
     """
+
+    remembered: ClassVar[tuple[str, ...]] = ("on", "block")
 
     def __init__(self, block: ForceBlock, *, on: bool) -> None:
         self.block, self.on, self._at_start = block, on, on
@@ -63,6 +67,7 @@ class HeldForce(SwitchedForce):
         block: the block.
     """
 
+    remembered: ClassVar[tuple[str, ...]] = ("on", "block", "level")
     level: float = 0.0
 
     def __init__(self, block: ForceBlock) -> None:

@@ -78,6 +78,12 @@ def _on_scale(text: str, accepted: str) -> Any:
     return _registry().Quantity(float(found[1]), found[2])
 
 
+def in_base_units(unit: str) -> tuple[float, dict[str, float]]:
+    """A unit as a factor times powers of base units, radians among them: N m is 1 and kilogram 1, meter 2, second -2."""
+    found = _registry().Quantity(1.0, unit).to_base_units()
+    return float(found.magnitude), {name: float(power) for name, power in found.unit_items()}
+
+
 def _validator(unit: str) -> BeforeValidator:
     def convert(value: object) -> float:
         try:

@@ -71,6 +71,7 @@ def test_the_examples_are_listed_with_their_titles() -> None:
         "cylindrical-roof",
         "corrugator",
         "belt-drive",
+        "attitude-control",
     } <= set(known)
     for example in known.values():
         assert read_model(example.model).title == example.title
@@ -464,3 +465,21 @@ def test_belt_drive_whole(run, tmp_path: Path) -> None:
     assert arcs["growth of ln T in it, pulley 2 [1/rad]"] == pytest.approx(0.5, rel=0.03)
     assert ratio["creep [%]"] == pytest.approx(5.6, abs=0.3)
     assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} == {"loop", "drive", "history", "belt", "motion"}
+
+
+def test_an_attitude_is_held_at_sunrise(run, tmp_path: Path) -> None:
+    """Up to 26 s, before the slew: the torque ahead takes most of the push of the bending panel away."""
+    findings = run(
+        "attitude-control", "--no-pictures", "--set", "analysis.flight.t_end=26 s", "--set", "system.panel.mesh=[4, 1]"
+    )
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 4
+
+
+@pytest.mark.slow
+def test_attitude_control_whole(run, tmp_path: Path) -> None:
+    findings = run("attitude-control")
+    check_shape(findings)
+    assert [finding["agrees"] for finding in findings] == [True] * 5
+    drawn = {path.stem for path in (tmp_path / "out" / "pictures").iterdir()}
+    assert drawn >= {"attitude", "pointing-error", "torque", "torque-difference", "tip", "gradient", "satellite"}

@@ -60,6 +60,10 @@ class ForceSum:
             block.force_tangent(t, q, v, weights.alpha_q, alpha_v, previous, part, k)
         self._filled(t)
 
+    def forget(self) -> None:
+        """Evaluate everything anew, also at the same time: an input has changed."""
+        self._t = np.nan
+
     def _filled(self, t: float) -> None:
         self._t, self._in_all, self._in_independent = t, None, None
 

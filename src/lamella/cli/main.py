@@ -212,6 +212,27 @@ def export(
 
 
 @app.command()
+def fmu(
+    model: Annotated[str, typer.Argument(help="A model file, or the name of an example.", metavar="FILE|EXAMPLE")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The unit to write; NAME.fmu when left out.")] = None,
+    fmi: Annotated[int, typer.Option("--fmi", help="Version of FMI: 2 or 3.")] = 2,
+    inputs: Annotated[
+        list[str] | None, typer.Option("--input", help="A load, drive or support; those of the linear analysis when left out.")
+    ] = None,
+    outputs: Annotated[
+        list[str] | None, typer.Option("--output", help="A signal such as tip.position.z; those of the linear analysis.")
+    ] = None,
+    step: Annotated[float | None, typer.Option("--step", help="Proposed communication step [s]; the integrator's.")] = None,
+    settings: Settings = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
+) -> None:
+    """Write a model as a functional mock-up unit (FMI) for co-simulation in other programs."""
+    from lamella.cli.fmu import fmu_command
+
+    fmu_command(model, out, fmi, inputs, outputs, step=step, settings=settings or [], overwrite=overwrite)
+
+
+@app.command()
 def doctor() -> None:
     """Check the installation; exit with 1 and advice when something is wrong."""
     from lamella.cli.doctor import doctor_command

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 import numpy as np
 
@@ -96,6 +97,8 @@ class ContactBlock(ForceBlock):
         law: the law of contact.
         first: number of the vector p of the obstacle's body, None for the inertial frame.
     """
+
+    remembered = ("_anchors", "_heat")
 
     def __init__(self, name: str, sheet: Sheet, obstacle: Obstacle, law: Law, first: int | None) -> None:
         self.name, self.sheet, self.obstacle, self.law = name, sheet, obstacle, law
@@ -217,6 +220,10 @@ class ContactBlock(ForceBlock):
     def reset(self) -> None:
         self._anchors[:], self._recent = np.nan, []
         self._heat = 0.0
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        super().recall(memory)
+        self._recent = []
 
     def settled_heat(self) -> float:
         return self._heat

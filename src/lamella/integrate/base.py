@@ -9,6 +9,7 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
+from lamella.memory import Memory
 from lamella.result import Statistics
 from lamella.solve.linear import Method
 from lamella.solve.newton import NewtonReport
@@ -43,7 +44,7 @@ def allowed_growth(error: float, order: int) -> float:
     return float(np.clip(wanted, *GROWTH))
 
 
-class Stepper(ABC):
+class Stepper(Memory, ABC):
     """An integrator at work on one set of equations.
 
     1. ``restart`` forgets the past: the point given has consistent accelerations and multipliers.
@@ -51,6 +52,8 @@ class Stepper(ABC):
        rejected step may be tried again with another dt.
     3. ``accept`` makes the last converged step final.
     4. ``between`` interpolates within the last accepted step.
+    5. What it remembers (:class:`lamella.memory.Memory`) and the state of the model are all that the next step depends on, once
+       ``forget`` has dropped what only saves time, a factorisation.
     """
 
     statistics: Statistics
@@ -70,6 +73,10 @@ class Stepper(ABC):
     @abstractmethod
     def accept(self) -> Point:
         """Make the last converged step final and return its point."""
+
+    @abstractmethod
+    def forget(self) -> None:
+        """Drop what only saves time."""
 
     @abstractmethod
     def between(self, t: float) -> Point:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -90,6 +90,8 @@ class BDF(Integrator):
 
 class BDFStepper(Stepper):
     """Steps of :class:`BDF` in independent coordinates; moving supports enter through q, v and vdot exactly."""
+
+    remembered = ("past", "order", "_equal", "_failures", "_starting", "_last")
 
     def __init__(self, options: BDF, equations: Equations, statistics: Statistics, solver: Method) -> None:
         self.options, self.equations, self.statistics = options, equations, statistics
@@ -188,6 +190,16 @@ class BDFStepper(Stepper):
         counts = self.statistics.steps_of_order
         counts[order] = counts.get(order, 0) + 1
         return self.past[0]
+
+    def forget(self) -> None:
+        """Drop the factorisation."""
+        self.newton.forget()
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what was remembered."""
+        super().recall(memory)
+        self._new = None
+        self.forget()
 
     def between(self, t: float) -> Point:
         """By the polynomial through the new point and as many before it as its order."""

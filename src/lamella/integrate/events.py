@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,6 +14,7 @@ from lamella.assembly.equations import Equations
 from lamella.dofs import Signal, Trigger
 from lamella.errors import DeclarationError
 from lamella.integrate.base import StepOutcome, Stepper
+from lamella.memory import Memory
 from lamella.result import Happening
 from lamella.state import State
 
@@ -52,7 +54,7 @@ class _Watched:
             self.before = value
 
 
-class EventWatch:
+class EventWatch(Memory):
     """All triggers of a model during one run.
 
     Args:
@@ -69,6 +71,16 @@ class EventWatch:
         known = {signal.name: signal for signal in signals}
         self._watched = [_Watched(trigger, trigger.evaluate or _level(trigger, known)) for trigger in triggers]
         self.happened: list[Happening] = []
+
+    def memory(self) -> dict[str, Any]:
+        """What each trigger has seen, and what has happened."""
+        return {"watched": [(item.before, item.open) for item in self._watched], "happened": list(self.happened)}
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Take back what :meth:`memory` gave."""
+        for item, seen in zip(self._watched, memory["watched"], strict=True):
+            item.before, item.open = seen
+        self.happened = list(memory["happened"])
 
     def begin(self, state: State) -> None:
         """Take the values at the start."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from lamella.memory import Memory
 from lamella.roles import Floats
 
 
-class FirstOrderRule:
+class FirstOrderRule(Memory):
     """Generalised-alpha for C Tdot + K T = F (Jansen, Whiting and Hulbert 2000), with the equation met at the end of the step:
 
         T' = T + dt ((1 - gamma) s + gamma s'),    alpha_m s' + (1 - alpha_m) s = alpha_f Tdot' + (1 - alpha_f) Tdot
@@ -19,6 +20,8 @@ class FirstOrderRule:
     Args:
         rho: spectral radius at infinity, 0 to 1.
     """
+
+    remembered = ("s", "_change", "_dt")
 
     def __init__(self, rho: float) -> None:
         self.alpha_m, self.alpha_f = 0.5 * (3.0 - rho) / (1.0 + rho), 1.0 / (1.0 + rho)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -95,6 +95,8 @@ class GeneralizedAlpha(Integrator):
 
 class GeneralizedAlphaStepper(Stepper):
     """Steps of :class:`GeneralizedAlpha` in independent coordinates; moving supports enter through q, v and vdot exactly."""
+
+    remembered = ("point", "a", "fields", "_smooth")
 
     def __init__(self, options: GeneralizedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
         self.options, self.equations, self.statistics = options, equations, statistics
@@ -197,6 +199,16 @@ class GeneralizedAlphaStepper(Stepper):
         self.fields.accept(dt, s)
         self.q = self.equations.coordinates(self.point)
         return self.point
+
+    def forget(self) -> None:
+        """Drop the factorisation."""
+        self.newton.forget()
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Go on from what was remembered."""
+        super().recall(memory)
+        self.q, self._new = self.equations.coordinates(self.point), None
+        self.forget()
 
     def between(self, t: float) -> Point:
         """Cubic Hermite interpolation of coordinates, linear of all else: errors of dt^4 and dt^2."""

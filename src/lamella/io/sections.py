@@ -69,7 +69,7 @@ DEFINITIONS = ("materials", "laminates", "profiles")
 """Sections whose items are referred to by name."""
 
 
-USERS = ("cli", "examples", "io", "study", "sweep", "templates", "verification", "viz")
+USERS = ("cli", "examples", "fmu", "io", "study", "sweep", "templates", "verification", "viz")
 """Folders that use declarations and hold none of a system."""
 
 

@@ -8,14 +8,17 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.measure.measure import MeasureSet, Term
+from lamella.memory import Memory
 from lamella.state import State
 
 
-class TurnCounter:
+class TurnCounter(Memory):
     """An angle without jumps: of all values that differ by full turns, the one nearest to the last.
 
     A run begins again when the time goes back to where it first was; within a run, a step may be tried with several lengths.
     """
+
+    remembered = ("_start", "_angle")
 
     def __init__(self) -> None:
         self._start, self._angle = np.inf, 0.0
@@ -38,7 +41,7 @@ def angle_signals(name: str, term: Term) -> list[Signal]:
         return counter(state.t, float(found.values[0]))
 
     return [
-        Signal(f"{name}.angle", "rad", (), angle, f"angle of {name}"),
+        Signal(f"{name}.angle", "rad", (), angle, f"angle of {name}", cumulative=True, history=(counter,)),
         Signal(f"{name}.rate", "rad/s", (), _rate(found), f"angular velocity of {name}"),
     ]
 

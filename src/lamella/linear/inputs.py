@@ -22,6 +22,9 @@ from lamella.roles import Declaration, Floats
 from lamella.state import State
 from lamella.system import System
 
+Inputs = Sequence[str] | Mapping[str, str]
+Following = Callable[[TimeFunction], Declaration]
+
 UNITS = {
     **dict.fromkeys(("displacement", "rest_length", "rest", "change", "value", "offset", "x", "y", "z"), "m"),
     **dict.fromkeys(("angle", "rest_angle"), "rad"),
@@ -41,17 +44,21 @@ class Channel:
 
     Args:
         name: name of the declaration, with the field's behind a dot where there are several.
+        field: name of the field.
         number: place of the declaration in its system.
         unit: unit of the function.
-        level: its value at the time of the state.
-        at: the declaration with a constant in place of the function.
+        level: its value at the time of the state, not a number for a drive that is given by its speed.
+        rate: its rate at that time [1/s].
+        following: the declaration with another function in its place.
     """
 
     name: str
+    field: str
     number: int
     unit: str
     level: float
-    at: Callable[[float], Declaration]
+    rate: float
+    following: Callable[[TimeFunction], Declaration]
 
 
 @dataclass(frozen=True)
@@ -82,14 +89,45 @@ def channels(system: System, t: float) -> dict[str, Channel]:
     found: dict[str, Channel] = {}
     for number, item in enumerate(system.declarations):
         own = _functions(item, t)
-        for part, (level, at) in own.items():
+        for part, (level, rate, following) in own.items():
             name = item.name if len(own) == 1 else f"{item.name}.{part}"
             unit = "N m" if part == "preload" and isinstance(item, TorsionSpring) else UNITS.get(part, "1")
-            found[name] = Channel(name, number, unit, level, at)
+            found[name] = Channel(name, part, number, unit, level, rate, following)
     return found
 
 
-def effects(steady: SteadyState, inputs: Sequence[str] | Mapping[str, str]) -> list[Effect]:
+def chosen(item: str, system: System, inputs: Inputs, t: float) -> dict[str, tuple[Channel, bool]]:
+    """The functions of time that inputs name, by the inputs' own names, and whether each is meant by its acceleration.
+
+    Args:
+        item: who asks, for messages.
+        system: the system.
+        inputs: names of loads, drives and supports; or a mapping of names of inputs to those.
+        t: time of the state [s].
+
+    Raises:
+        DeclarationError: there is no such function of time, or one is given twice.
+    """
+    names = dict(inputs) if isinstance(inputs, Mapping) else {name: name for name in inputs}
+    if len(names) < len(inputs):
+        raise DeclarationError(item, f"inputs = {inputs!r}", "accepted is each once")
+    known = channels(system, t)
+    found = {}
+    for name, of in names.items():
+        channel = known.get(of.removesuffix(ACCELERATION))
+        if channel is None:
+            accepted = f"inputs are loads, drives and supports that follow a function of time; there are: {', '.join(known)}"
+            raise DeclarationError(item, f"there is no input '{of}'", accepted if known else "none of the system does")
+        found[name] = channel, of.endswith(ACCELERATION)
+    return found
+
+
+def unit_of(channel: Channel, accelerates: bool) -> str:
+    """Unit of an input."""
+    return f"{channel.unit}/s^2" if accelerates else channel.unit
+
+
+def effects(steady: SteadyState, inputs: Inputs) -> list[Effect]:
     """What each input does.
 
     Args:
@@ -99,49 +137,41 @@ def effects(steady: SteadyState, inputs: Sequence[str] | Mapping[str, str]) -> l
     Raises:
         DeclarationError: there is no such function of time, or the model was compiled from no system.
     """
-    names = dict(inputs) if isinstance(inputs, Mapping) else {name: name for name in inputs}
-    if not names or (not isinstance(inputs, Mapping) and len(names) < len(inputs)):
-        raise DeclarationError("linearise", f"inputs = {inputs!r}", "accepted is at least one input, each once")
+    if not inputs:
+        raise DeclarationError("linearise", f"inputs = {inputs!r}", "accepted is at least one input")
     system = steady.model.description
     if not isinstance(system, System):
         raise DeclarationError("linearise", "the model was not compiled from a system", "accepted is the system itself")
-    known = channels(system, steady.point.t)
-    found = []
-    for name, of in names.items():
-        channel = known.get(of.removesuffix(ACCELERATION))
-        if channel is None:
-            accepted = f"inputs are loads, drives and supports that follow a function of time; there are: {', '.join(known)}"
-            raise DeclarationError("linearise", f"there is no input '{of}'", accepted if known else "none of the system does")
-        found.append(_effect(steady, system, name, channel, accelerates=of.endswith(ACCELERATION)))
-    return found
+    found = chosen("linearise", system, inputs, steady.point.t)
+    return [_effect(steady, system, name, channel, accelerates=turned) for name, (channel, turned) in found.items()]
 
 
-def _functions(item: Declaration, t: float) -> dict[str, tuple[float, Callable[[float], Declaration]]]:
-    """Functions of time of one declaration: value at t, and the declaration with a constant in their place."""
+def _functions(item: Declaration, t: float) -> dict[str, tuple[float, float, Following]]:
+    """Functions of time of one declaration: value and rate at t, and the declaration with another one in their place."""
     if isinstance(item, (AngleDrive, SlideDrive)):  # a speed is given by its integral
         field = "angle" if isinstance(item, AngleDrive) else "displacement"
         given: Any = getattr(item, field)
-        level = given.value(t) if given is not None else float("nan")
-        return {field: (level, lambda to: replace(item, speed=None, **{field: Constant(to)}))}
-    found: dict[str, tuple[float, Callable[[float], Declaration]]] = {}
+        level, rate = (given.value(t), given.rate(t)) if given is not None else (float("nan"), item.speed.value(t))  # type: ignore[union-attr]  # one of them is given
+        return {field: (level, rate, lambda to: replace(item, speed=None, **{field: to}))}
+    found: dict[str, tuple[float, float, Following]] = {}
     for field in fields(item):  # type: ignore[arg-type]  # every declaration is a dataclass
         value = getattr(item, field.name)
         if field.name == "change" and value is None:
             value = Constant(0.0)
         if isinstance(value, TimeFunction):
-            found[field.name] = value.value(t), _with(item, field.name)
+            found[field.name] = value.value(t), value.rate(t), _with(item, field.name)
         elif field.name == "motion" and isinstance(value, dict):
             for axis, function in value.items():
-                found[axis] = function.value(t), _with_axis(item, value, axis)
+                found[axis] = function.value(t), function.rate(t), _with_axis(item, value, axis)
     return found
 
 
-def _with(item: Any, field: str) -> Callable[[float], Declaration]:
-    return lambda level: replace(item, **{field: Constant(level)})
+def _with(item: Any, field: str) -> Following:
+    return lambda to: replace(item, **{field: to})
 
 
-def _with_axis(item: Any, motion: dict[str, TimeFunction], axis: str) -> Callable[[float], Declaration]:
-    return lambda level: replace(item, motion={**motion, axis: Constant(level)})
+def _with_axis(item: Any, motion: dict[str, TimeFunction], axis: str) -> Following:
+    return lambda to: replace(item, motion={**motion, axis: to})
 
 
 class _Probe:
@@ -168,12 +198,12 @@ class _Probe:
 
 
 def _effect(steady: SteadyState, system: System, name: str, channel: Channel, *, accelerates: bool) -> Effect:
-    level = channel.level if np.isfinite(channel.level) else _driven_level(steady, channel)
+    level = driven_level(steady.model, channel, steady.point.t)
 
     def probe(change: float) -> _Probe:
         other = System(system.redundant)
         other.declarations = list(system.declarations)
-        other.declarations[channel.number] = channel.at(level + change)
+        other.declarations[channel.number] = channel.following(Constant(level + change))
         other.declarations = [item for item in other.declarations if not isinstance(item, Controller)]  # the loop is open
         return _Probe(steady, other.compile(steady.model.imperfection))
 
@@ -193,14 +223,15 @@ def _effect(steady: SteadyState, system: System, name: str, channel: Channel, *,
             f"the input '{channel.name}{ACCELERATION}' has no motion to accelerate",
             f"accepted is '{channel.name}', or the acceleration of a drive or a support that moves",
         )
-    unit = f"{channel.unit}/s^2" if accelerates else channel.unit
-    return Effect(name, unit, 0.0 if accelerates else level, force, position, signals, accelerates)
+    return Effect(name, unit_of(channel, accelerates), 0.0 if accelerates else level, force, position, signals, accelerates)
 
 
-def _driven_level(steady: SteadyState, channel: Channel) -> float:
-    """Where a drive that is given by its speed stands: what its constraint asks for at the time of the state."""
-    block = next(block for block in steady.model.constraints if block.name == channel.name)
-    return float(block.prescribed(steady.point.t)[0])
+def driven_level(model: Model, channel: Channel, t: float) -> float:
+    """The level of a channel; where a drive that is given by its speed stands, what its constraint asks for at the time t."""
+    if np.isfinite(channel.level):
+        return channel.level
+    block = next(block for block in model.constraints if block.name == channel.name)
+    return float(block.prescribed(t)[0])
 
 
 def _proportional(ahead: _Probe, here: _Probe, behind: _Probe) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy import sparse
 
 from lamella.errors import DeclarationError
 from lamella.linear.basis import all_motions, lowest_motions
-from lamella.linear.inputs import Effect, effects
+from lamella.linear.inputs import Effect, Inputs, effects
 from lamella.linear.outputs import Change, Outputs
 from lamella.linear.state_space import StateSpace
 from lamella.linear.steady import SteadyState
@@ -27,9 +27,7 @@ ROUNDING = 1e-15
 """An entry of a reduced matrix below this share of the sum of its terms' sizes is what rounding has left of zero."""
 
 
-def linearise(
-    system: System | Model, inputs: Sequence[str] | Mapping[str, str], outputs: Sequence[str], *, state: State | None = None
-) -> LinearModel:
+def linearise(system: System | Model, inputs: Inputs, outputs: Sequence[str], *, state: State | None = None) -> LinearModel:
     """Linearise a system about a steady state.
 
     Args:

@@ -64,7 +64,13 @@ class Outputs:
         self.units: list[str] = []
         self.signals: list[tuple[Signal, int]] = []
         for name in names:
-            for signal, component in _components(name, known):
+            for signal, component in components("linearise", name, known):
+                if signal.name.startswith(OF_HISTORY):
+                    raise DeclarationError(
+                        "linearise",
+                        f"the output '{name}' sums over the steps of a run",
+                        "accepted are signals that a state alone has",
+                    )
                 self.names.append(f"{signal.name}.{signal.labels[component]}" if signal.labels else signal.name)
                 self.units.append(signal.unit)
                 self.signals.append((signal, component))
@@ -121,8 +127,12 @@ class Outputs:
         return np.array([float(found[signal.name][k]) for signal, k in self.signals])
 
 
-def _components(name: str, known: dict[str, Signal]) -> list[tuple[Signal, int]]:
-    """A signal and the components meant by a name."""
+def components(item: str, name: str, known: dict[str, Signal]) -> list[tuple[Signal, int]]:
+    """A signal and the components meant by a name; ``item`` is who asks, for the message that there is none.
+
+    Raises:
+        DeclarationError: no signal has that name; those recorded are listed.
+    """
     stem, _, label = name.rpartition(".")
     if name in known:
         signal = known[name]
@@ -131,9 +141,5 @@ def _components(name: str, known: dict[str, Signal]) -> list[tuple[Signal, int]]
         found = [(known[stem], known[stem].labels.index(label))]
     else:
         recorded = ", ".join(key for key in known if not key.startswith(OF_HISTORY))
-        raise DeclarationError("linearise", f"there is no output '{name}'", f"recorded are {recorded}, and their components")
-    if found[0][0].name.startswith(OF_HISTORY):
-        raise DeclarationError(
-            "linearise", f"the output '{name}' sums over the steps of a run", "accepted are signals that a state alone has"
-        )
+        raise DeclarationError(item, f"there is no output '{name}'", f"recorded are {recorded}, and their components")
     return found

@@ -12,6 +12,7 @@ from lamella.declaration import declaration
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ModelError
 from lamella.load.control_law import ControlLaw
+from lamella.memory import Memory
 from lamella.roles import Declaration, Floats
 from lamella.switch import HeldForce
 
@@ -82,13 +83,15 @@ class Controller(Declaration):
             )
 
 
-class ControlSampler:
+class ControlSampler(Memory):
     """A controller at work: its state, and the blocks it drives.
 
     Args:
         controller: the declaration.
         held: for each output the blocks of its load.
     """
+
+    remembered = ("state", "output")
 
     def __init__(self, controller: Controller, held: list[list[HeldForce]]) -> None:
         self.name, self.measures, self.period = controller.name, controller.measures, controller.period

@@ -43,6 +43,8 @@ class MeasureConstraint(ConstraintBlock):
         rows: the rows.
     """
 
+    remembered = ("measures",)
+
     def __init__(self, name: str, rows: Sequence[MeasureRow]) -> None:
         self.name, self.rows, self.n_lam = name, tuple(rows), len(rows)
         self.measures = MeasureSet([row.measure for row in rows])

@@ -24,6 +24,8 @@ class MeasureForce(ForceBlock):
         law: F.
     """
 
+    remembered = ("law", "measures")
+
     def __init__(self, name: str, measures: Sequence[Measure], shares: Floats, law: Law) -> None:
         self.name, self.law, self.shares = name, law, np.asarray(shares, float)
         self.measures = MeasureSet(measures)

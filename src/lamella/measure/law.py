@@ -8,10 +8,11 @@ import numpy as np
 
 from lamella.dofs import Motion
 from lamella.math.profile import Constant
+from lamella.memory import Memory
 from lamella.roles import Floats
 
 
-class Law(ABC):
+class Law(Memory, ABC):
     """F(t, m, m'), the force that resists a measure m, so that V' = F for its elastic part.
 
     1. All arrays have one entry for each measure.
@@ -38,7 +39,7 @@ class Law(ABC):
         """Power turned into heat [W]."""
         return np.zeros_like(m)
 
-    def reset(self) -> None:  # noqa: B027 - most laws have none
+    def reset(self) -> None:
         """Forget discrete state, if there is any."""
 
 
@@ -55,7 +56,7 @@ class SpringLaw(Law):
     def __init__(self, stiffness: float, damping: float, rest: Motion, preload: Motion) -> None:
         self.stiffness, self.damping_constant, self.rest, self.preload = stiffness, damping, rest, preload
         self.damped = damping > 0
-        self.varies = not (isinstance(rest, Constant) and isinstance(preload, Constant))
+        self.varies = not (type(rest) is type(preload) is Constant)  # an input is a Constant that changes
         self.breakpoints = (*rest.breakpoints, *preload.breakpoints)
 
     def force(self, t: float, m: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
@@ -131,6 +132,8 @@ class LatchLaw(Law):
         stiffness: k.
         damping: c.
     """
+
+    remembered = ("held",)
 
     def __init__(self, stiffness: float, damping: float) -> None:
         self.stiffness, self.damping_constant, self.damped = stiffness, damping, damping > 0

@@ -9,6 +9,7 @@ import numpy as np
 
 from lamella.kinematics import VectorRows
 from lamella.measure.kernels import ANGLE, LENGTH, SLIDE, evaluate
+from lamella.memory import Memory
 from lamella.roles import Floats, Ints
 
 
@@ -48,7 +49,7 @@ def slide(d: VectorRows, z: VectorRows, factor: float = 1.0) -> Term:
     return Term(SLIDE, (d, z), factor)
 
 
-class MeasureSet:
+class MeasureSet(Memory):
     """Several measures with their arrays.
 
     An angle is known up to full turns. It is taken within pi of its centre, which ``follow`` moves to its last value, so that it
@@ -57,6 +58,8 @@ class MeasureSet:
     Args:
         measures: the measures.
     """
+
+    remembered = ("centres",)
 
     def __init__(self, measures: Sequence[Measure]) -> None:
         self.n = len(measures)

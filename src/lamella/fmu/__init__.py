@@ -1,0 +1,1 @@
+"""Functional mock-up units (FMI): a model file as a part of a co-simulation in other programs."""

@@ -1,0 +1,79 @@
+"""A unit of FMI 3, by pythonfmu3; imported where a unit is built or run, which both have that package."""
+
+from __future__ import annotations
+
+from typing import Any
+from xml.etree.ElementTree import Element
+
+from pythonfmu3 import DefaultExperiment, Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
+
+from lamella.errors import LamellaError
+from lamella.fmu.plant import Plant, Variable
+from lamella.fmu.units import NONE, base_units, is_structured
+
+
+class Fmi3Unit(Fmi3Slave):
+    """Shows a :class:`Plant` to FMI 3."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.plant = Plant(self.resources)
+        interface = self.plant.interface
+        self.modelName, self.description = interface.name, interface.description
+        self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)
+        self.time = interface.t_start
+        units = sorted({item.unit for item in (*interface.inputs, *interface.outputs)} - {NONE} | {"s"})
+        self.register_units([Unit(unit, **_numbers(base_units(unit))) for unit in units])
+        kind = {"causality": Fmi3Causality.independent, "variability": Fmi3Variability.continuous}
+        self.register_variable(Float64("time", unit="s", getter=lambda: self.time, **kind), nested=False)
+        for item in interface.inputs:
+            self._add(item, Fmi3Causality.input, lambda name=item.name: self.plant.input(name))
+        for item in interface.outputs:
+            self._add(item, Fmi3Causality.output, lambda name=item.name: self.plant.output(name))
+
+    def _add(self, item: Variable, causality: Fmi3Causality, getter: Any) -> None:
+        setter = (lambda value: self.plant.set(item.name, value)) if causality is Fmi3Causality.input else None
+        variable = Float64(
+            item.name,
+            causality=causality,
+            variability=Fmi3Variability.continuous,
+            description=item.description,
+            unit=None if item.unit == NONE else item.unit,
+            getter=getter,
+            setter=setter,
+        )
+        self.register_variable(variable, nested=False)
+
+    def to_xml(self, model_options: Any = None) -> Element:
+        """The model description; names that are no Modelica names are plain texts."""
+        root = super().to_xml(model_options or {})
+        interface = self.plant.interface
+        if not all(is_structured(item.name) for item in (*interface.inputs, *interface.outputs)):
+            root.set("variableNamingConvention", "flat")
+        return root
+
+    def setup_experiment(self, start_time: float) -> None:
+        self.time = start_time
+
+    def enter_initialization_mode(self) -> None:
+        self.plant.begin(self.time)
+
+    def do_step(self, current_time: float, step_size: float) -> Fmi3StepResult:
+        self.time = current_time + step_size
+        try:
+            reached = self.plant.advance_to(self.time)
+        except LamellaError as error:
+            self.log(str(error), Fmi3Status.error)
+            return Fmi3StepResult(status=Fmi3Status.error)
+        return Fmi3StepResult(status=Fmi3Status.ok, terminateSimulation=not reached)
+
+    def _get_fmu_state(self) -> dict[str, Any]:
+        return {"time": self.time, "plant": self.plant.save()}
+
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        self.time = state["time"]
+        self.plant.restore(state["plant"])
+
+
+def _numbers(exponents: dict[str, str]) -> dict[str, Any]:
+    return {key: float(value) if key == "factor" else int(value) for key, value in exponents.items()}

@@ -1,0 +1,161 @@
+"""What a unit carries in its resources, and the motion it makes of it where it is run."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lamella.errors import DeclarationError
+from lamella.io.analysis import Motion
+from lamella.io.model_file import loads
+from lamella.state import State
+from lamella.stepping.run import Stepping
+
+MODEL, INTERFACE, START = "model.yaml", "interface.json", "start.npz"
+"""Files in the resources."""
+ARRAYS = ("q", "v", "a", "lam", "mu")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An input or output.
+
+    Args:
+        name: its name.
+        unit: its unit, ``1`` for a pure number.
+        description: what it is, in words.
+        start: value at the start.
+    """
+
+    name: str
+    unit: str
+    description: str
+    start: float
+
+
+@dataclass(frozen=True)
+class Interface:
+    """What a unit shows of its model.
+
+    Args:
+        name: name of the model, an identifier.
+        description: title of the model.
+        motion: name of the analysis with the integrator.
+        step: communication step that is proposed [s].
+        t_start, t_end: times of the motion [s].
+        channels: what each input stands for, by the input's name.
+        inputs, outputs: the variables.
+    """
+
+    name: str
+    description: str
+    motion: str
+    step: float
+    t_start: float
+    t_end: float
+    channels: dict[str, str]
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+
+
+class Plant:
+    """The model of a unit at work.
+
+    Inputs may be set at any time; they act from the present time on. Before :meth:`begin` there are only the values of the start.
+
+    Args:
+        resources: folder of the resources.
+    """
+
+    def __init__(self, resources: str | Path) -> None:
+        self._folder = Path(resources)
+        self.interface = read_interface(self._folder)
+        self._set = {item.name: item.start for item in self.interface.inputs}
+        self._start = {item.name: item.start for item in self.interface.outputs}
+        self._stepping: Stepping | None = None
+
+    def begin(self, t: float) -> None:
+        """Compile the model and start its motion at the time t [s]."""
+        self._stepping = stepping(self._folder, self.interface, t)
+        for name, value in self._set.items():
+            self._stepping.set(name, value)
+
+    def input(self, name: str) -> float:
+        """An input as it is set."""
+        return self._set[name]
+
+    def set(self, name: str, value: float) -> None:
+        """Set an input."""
+        self._set[name] = value
+        if self._stepping is not None:
+            self._stepping.set(name, value)
+
+    def output(self, name: str) -> float:
+        """An output at the present time."""
+        return self._start[name] if self._stepping is None else float(self._stepping.get(name))
+
+    def advance_to(self, t: float) -> bool:
+        """Advance; False when an event has ended the motion before."""
+        return self._running().advance_to(t).reached >= t
+
+    def save(self) -> dict[str, Any]:
+        """Everything that comes next depends on, as JSON."""
+        run = None if self._stepping is None else base64.b64encode(self._stepping.save()).decode()
+        return {"inputs": dict(self._set), "run": run}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take back what :meth:`save` gave."""
+        self._set = dict(saved["inputs"])
+        if saved["run"] is None:
+            self._stepping = None
+        else:
+            if self._stepping is None:
+                self._stepping = stepping(self._folder, self.interface, self.interface.t_start)
+            self._stepping.restore(base64.b64decode(saved["run"]))
+
+    def _running(self) -> Stepping:
+        if self._stepping is None:
+            raise DeclarationError(f"FMU '{self.interface.name}'", "it has not been initialised", "initialise it before a step")
+        return self._stepping
+
+
+def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
+    """The motion of a unit, from the files of its resources."""
+    model = loads((folder / MODEL).read_text(encoding="utf-8"), name=interface.name)
+    motion = next(item for item in model.analyses if item.name == interface.motion)
+    assert isinstance(motion, Motion)
+    imperfection = initial = None
+    if (folder / START).is_file():
+        with np.load(folder / START) as arrays:
+            initial = State(t, *(arrays[name] for name in ARRAYS))
+            imperfection = arrays.get("imperfection")
+    system = model.system.compile(imperfection)
+    outputs = [item.name for item in interface.outputs]
+    return Stepping(system, motion.integrator, inputs=interface.channels, outputs=outputs, t_start=t, initial=initial)
+
+
+def read_interface(folder: Path) -> Interface:
+    """The interface among the resources."""
+    data = json.loads((folder / INTERFACE).read_text(encoding="utf-8"))
+    variables = {key: tuple(Variable(**item) for item in data.pop(key)) for key in ("inputs", "outputs")}
+    return Interface(**data, **variables)
+
+
+def write_resources(folder: Path, interface: Interface, model: str, state: State | None, imperfection: object) -> Sequence[Path]:
+    """Write the files of the resources and return them."""
+    written = [folder / MODEL, folder / INTERFACE]
+    written[0].write_text(model, encoding="utf-8")
+    written[1].write_text(json.dumps(asdict(interface), indent=2), encoding="utf-8")
+    if state is not None:
+        arrays = {name: getattr(state, name) for name in ARRAYS}
+        if imperfection is not None:
+            arrays["imperfection"] = np.asarray(imperfection)
+        np.savez(folder / START, **arrays)
+        written.append(folder / START)
+    return written
