@@ -37,7 +37,20 @@ LAYERS = [
     {"solve"},
     {"integrate"},
     {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear"},
-    {"__init__", "study", "sweep", "io", "viz", "verification", "bench", "examples", "templates"},  # __init__: the public names
+    {
+        *(
+            "__init__",
+            "study",
+            "sweep",
+            "io",
+            "viz",
+            "verification",
+            "bench",
+            "examples",
+            "templates",
+        ),  # __init__: the public names
+        *("differentiation", "optimisation"),
+    },
     {"cli", "__main__"},
 ]
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}

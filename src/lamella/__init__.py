@@ -25,9 +25,14 @@ if TYPE_CHECKING:
     from lamella.contact.obstacles import PlaneContact as PlaneContact
     from lamella.contact.obstacles import SphereContact as SphereContact
     from lamella.critical import CriticalPoint as CriticalPoint
+    from lamella.differentiation.gradient import Gradient as Gradient
+    from lamella.differentiation.gradient import gradient as gradient
     from lamella.integrate.bdf import BDF as BDF
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
+    from lamella.io.analysis import Motion as Motion
     from lamella.io.results import read_result as read_result
+    from lamella.io.static_analysis import NaturalModes as NaturalModes
+    from lamella.io.static_analysis import Statics as Statics
     from lamella.joint.clamp import Clamp as Clamp
     from lamella.joint.coupling import AngleCoupling as AngleCoupling
     from lamella.joint.coupling import PositionCoupling as PositionCoupling
@@ -134,9 +139,12 @@ _HOME = {
     "contact.friction": ("BristleFriction", "RegularisedFriction"),
     "contact.obstacles": ("CylinderContact", "PlaneContact", "SphereContact"),
     "critical": ("CriticalPoint",),
+    "differentiation.gradient": ("Gradient", "gradient"),
     "integrate.bdf": ("BDF",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
+    "io.analysis": ("Motion",),
     "io.results": ("read_result",),
+    "io.static_analysis": ("NaturalModes", "Statics"),
     "body.rigid": ("RigidBody",),
     "body.shape": (
         "Box",

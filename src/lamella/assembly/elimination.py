@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from scipy import sparse
@@ -47,6 +47,11 @@ class Elimination:
         self._gram, self._row_sum = linalg.splu(sparse.csc_array(C @ C.T)) if rows else None, SumOperator(C)
 
     @property
+    def dependent(self) -> frozenset[int]:
+        """Coordinates that are no unknowns."""
+        return frozenset(range(len(self.T.indptr) - 1)) - frozenset(self.independent.tolist())
+
+    @property
     def moves(self) -> bool:
         """True when a support moves."""
         return bool(self._moving)
@@ -74,10 +79,15 @@ class Elimination:
         return values
 
 
-def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
+def eliminate(rows: Sequence[LinearRow], n_q: int, preferred: Collection[int] = ()) -> Elimination:
     """Reduce the rows to dependent coordinates expressed by independent ones.
 
     Each row, after substitution of what is already dependent, gives up the coordinate with its largest coefficient.
+
+    Args:
+        rows: the constraints.
+        n_q: number of coordinates.
+        preferred: coordinates to give up before others: those that another model gives up, from which this one differs by little.
 
     Raises:
         ConstraintError: a row contradicts those before it.
@@ -93,7 +103,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
             relations.append(sources)
             continue
         kept.append(number)
-        pivot = max(terms, key=lambda c: abs(terms[c]))
+        pivot = max(terms, key=lambda c: (c in preferred, abs(terms[c])))
         lead = terms.pop(pivot)
         expression = ({c: -x / lead for c, x in terms.items()}, {k: x / lead for k, x in sources.items()})
         for dependent in users.pop(pivot, ()):

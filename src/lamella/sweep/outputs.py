@@ -93,6 +93,11 @@ class SignalOutput(StudyOutput):
     analysis: str | None = None
     kind: Literal["signal"] = "signal"
 
+    @property
+    def of_end(self) -> bool:
+        """Whether it is the value in the last state."""
+        return self.statistic == "last" and self.end is None
+
     def fits(self, analysis: Analysis) -> bool:
         return bool(analysis.axis)
 
@@ -128,13 +133,13 @@ class SignalOutput(StudyOutput):
             z = np.linalg.norm(values.values, axis=1)
         else:
             z = (values if self.component is None else values.sel(component=self.component)).values
-        at, z = self._within(computed.at, np.asarray(z, float))
+        at, z = self.within(computed.at, np.asarray(z, float))
         return float(STATISTICS[self.statistic](at, z))
 
     def _window(self, first: float, last: float) -> tuple[float, float]:
         return (first if self.start is None else self.start), (last if self.end is None else self.end)
 
-    def _within(self, at: Floats, z: Floats) -> tuple[Floats, Floats]:
+    def within(self, at: Floats, z: Floats) -> tuple[Floats, Floats]:
         """Samples in the window, with interpolated ones at its ends."""
         if self.start is None and self.end is None:
             return at, z
