@@ -91,14 +91,17 @@ class Chain:
         run = replace(analysis, integrator=method)
         result = self._completed(analysis, run.run(self.model, self.computed, 1, self.sinks()))
         point, self.ends[analysis.name] = last[0]
-        recorded = np.unique(np.append(np.arange(0, len(signals.at), analysis.stride), max(len(signals.at) - 1, 0)))
-        self._keep(result, signals, others, recorded)
+        if others:
+            steps = len(signals.at)
+            self._keep(result, signals, others, np.unique(np.append(np.arange(0, steps, analysis.stride), steps - 1)))
         self._sample_end(result, ends, point, self.ends[analysis.name])
 
     def _sample_end(
         self, result: Result, outputs: Mapping[str, StudyOutput], point: Point, derivatives: Sequence[PointDerivative]
     ) -> None:
         """Take outputs from the last state."""
+        if not outputs:
+            return
         signals = SignalDerivatives(self.equations, self.neighbours, _names(outputs))
         signals.sample(point, derivatives)
         self._keep(result, signals, outputs, np.array([0]))
@@ -126,12 +129,13 @@ class Chain:
 
     def _keep(self, result: Result, signals: SignalDerivatives, outputs: Mapping[str, StudyOutput], recorded: np.ndarray) -> None:
         """Take the outputs from the samples that the result has recorded."""
+        at = np.array(signals.at)[recorded]
         for name, output in outputs.items():
             assert isinstance(output, SignalOutput)
             values, derivatives = (np.array(part[output.signal])[recorded] for part in (signals.values, signals.derivatives))
             labels = tuple(result.signals[output.signal].labels)
-            self.values[name] = output.value(result)
-            self.derivatives[name] = statistic_derivative(output, labels, np.array(signals.at)[recorded], values, derivatives)
+            self.values[name] = output.number(at, values, labels)
+            self.derivatives[name] = statistic_derivative(output, labels, at, values, derivatives)
 
 
 def refuse(analysis: Analysis, model: Model, outputs: Mapping[str, StudyOutput]) -> None:

@@ -16,7 +16,7 @@ from lamella.errors import DeclarationError
 from lamella.io.analysis import Analysis
 from lamella.result import Sink
 from lamella.roles import Floats
-from lamella.sweep.outputs import StudyOutput
+from lamella.sweep.outputs import StudyOutput, recorded
 from lamella.sweep.parameter import Parameter, quantity_of
 from lamella.system import System
 
@@ -124,17 +124,17 @@ def differentiated(
         raise DeclarationError("gradient", f"no {'outputs' if values else 'parameters'} are given", "accepted is at least one")
     chosen = {name: output.chosen(analyses) for name, output in outputs.items()}
     model = system.compile()
-    units = {}
+    equations = Equations(model)
+    signals, units = recorded({each.name: each for each in chosen.values()}.values(), equations), {}
     for name, output in outputs.items():
         try:
-            units[name] = output.check(chosen[name], model)
+            units[name] = output.check(chosen[name], signals[chosen[name].name])
         except DeclarationError as error:
             raise DeclarationError(f"output '{name}'", error.problem, error.accepted) from error
     needed = _needed(analyses, chosen)
     own = {name: {key: output for key, output in outputs.items() if chosen[key].name == name} for name in needed}
     for name in needed:
         refuse(analyses[name], model, own[name])
-    equations = Equations(model)
 
     def made(name: str, value: float) -> System:
         there, others = family.at({**values, name: value})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Literal
 
 import numpy as np
@@ -11,11 +11,11 @@ from pydantic import Field
 
 from lamella.assembly.equations import Equations
 from lamella.declaration import declaration
+from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.reader import suggestion
 from lamella.io.static_analysis import Buckling, NaturalModes
-from lamella.model import Model
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.shapes import Shapes
@@ -37,8 +37,12 @@ class StudyOutput(ABC):
     analysis: str | None
 
     @abstractmethod
-    def check(self, analysis: Analysis, model: Model) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
         """Refuse what the analysis does not give; returns the unit.
+
+        Args:
+            analysis: from which it is taken.
+            signals: that the analysis records, by name.
 
         Raises:
             DeclarationError: the message says what there is.
@@ -101,8 +105,7 @@ class SignalOutput(StudyOutput):
     def fits(self, analysis: Analysis) -> bool:
         return bool(analysis.axis)
 
-    def check(self, analysis: Analysis, model: Model) -> str:
-        signals = {signal.name: signal for signal in analysis.signals(Equations(model))}
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
         if self.signal not in signals:
             raise DeclarationError("output", f"signal: there is no signal '{self.signal}'{suggestion(self.signal, signals)}")
         found = signals[self.signal]
@@ -128,12 +131,22 @@ class SignalOutput(StudyOutput):
 
     def value(self, computed: Computed) -> float:
         assert isinstance(computed, Result)
-        values = computed.history(self.signal)
+        values = computed.history(self.signal).values
+        return self.number(computed.at, values.reshape(len(values), -1), tuple(computed.signals[self.signal].labels))
+
+    def number(self, at: Floats, values: Floats, labels: tuple[str, ...]) -> float:
+        """The number from samples of the signal.
+
+        Args:
+            at: times [s] or load factors, shape (n,).
+            values: shape (n, n_component).
+            labels: of the components.
+        """
         if self.component == NORM:
-            z = np.linalg.norm(values.values, axis=1)
+            z = np.linalg.norm(values, axis=1)
         else:
-            z = (values if self.component is None else values.sel(component=self.component)).values
-        at, z = self.within(computed.at, np.asarray(z, float))
+            z = values[:, 0 if self.component is None else labels.index(self.component)]
+        at, z = self.within(at, np.asarray(z, float))
         return float(STATISTICS[self.statistic](at, z))
 
     def _window(self, first: float, last: float) -> tuple[float, float]:
@@ -167,7 +180,7 @@ class ShapeOutput(StudyOutput):
     def fits(self, analysis: Analysis) -> bool:
         return isinstance(analysis, (NaturalModes, Buckling))
 
-    def check(self, analysis: Analysis, model: Model) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
         assert isinstance(analysis, (NaturalModes, Buckling))
         if self.number > analysis.count:
             raise DeclarationError("output", f"number = {self.number}", f"analysis '{analysis.name}' computes {analysis.count}")
@@ -189,3 +202,8 @@ STATISTICS: dict[str, Callable[[Floats, Floats], float]] = {
     "rms": lambda at, z: np.sqrt(time_average(at, z**2)),
     "std": lambda at, z: np.sqrt(time_average(at, (z - time_average(at, z)) ** 2)),
 }
+
+
+def recorded(analyses: Iterable[Analysis], equations: Equations) -> dict[str, dict[str, Signal]]:
+    """The signals that each analysis records, by the analysis's name and theirs."""
+    return {each.name: {signal.name: signal for signal in each.signals(equations)} if each.axis else {} for each in analyses}
