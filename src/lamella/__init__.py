@@ -96,6 +96,10 @@ if TYPE_CHECKING:
     from lamella.modal import Modes as Modes
     from lamella.modal import modes as modes
     from lamella.motion import simulate as simulate
+    from lamella.optimisation.problem import Limits as Limits
+    from lamella.optimisation.problem import Objective as Objective
+    from lamella.optimisation.problem import Optimisation as Optimisation
+    from lamella.optimisation.run import run_optimisation as run_optimisation
     from lamella.result import Outcome as Outcome
     from lamella.result import Result as Result
     from lamella.solve.arc_length import ArcLength as ArcLength
@@ -118,6 +122,7 @@ if TYPE_CHECKING:
     from lamella.sweep.designs import ListDesign as ListDesign
     from lamella.sweep.designs import SaltelliDesign as SaltelliDesign
     from lamella.sweep.designs import SobolDesign as SobolDesign
+    from lamella.sweep.outputs import MassOutput as MassOutput
     from lamella.sweep.outputs import ShapeOutput as ShapeOutput
     from lamella.sweep.outputs import SignalOutput as SignalOutput
     from lamella.sweep.parameter import Parameter as Parameter
@@ -204,6 +209,8 @@ _HOME = {
         "TrapezoidalSpeed",
     ),
     "modal": ("Modes", "modes"),
+    "optimisation.problem": ("Limits", "Objective", "Optimisation"),
+    "optimisation.run": ("run_optimisation",),
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),
     "solve.arc_length": ("ArcLength",),
@@ -215,7 +222,7 @@ _HOME = {
     "surface.pulleys": ("PulleySurface",),
     "surface.revolution": ("AnnulusSurface", "BeltSurface", "ConeSurface", "CylinderSurface", "SphereSurface"),
     "sweep.designs": ("GridDesign", "LatinHypercubeDesign", "ListDesign", "SaltelliDesign", "SobolDesign"),
-    "sweep.outputs": ("ShapeOutput", "SignalOutput"),
+    "sweep.outputs": ("MassOutput", "ShapeOutput", "SignalOutput"),
     "sweep.parameter": ("Parameter",),
     "sweep.run": ("run_parameter_study",),
     "sweep.study": ("ParameterStudy",),

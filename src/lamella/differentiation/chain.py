@@ -12,7 +12,7 @@ from lamella.assembly.point import Point
 from lamella.contact.block import ContactBlock
 from lamella.differentiation.modal import enough_modes, frequency_derivatives
 from lamella.differentiation.motion import DifferentiatedAlpha
-from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.neighbours import Neighbours, Side
 from lamella.differentiation.signals import SignalDerivatives
 from lamella.differentiation.solution import ExactMatrix, PointDerivative, static_derivatives
 from lamella.differentiation.statistics import statistic_derivative
@@ -24,7 +24,7 @@ from lamella.linear.outputs import OF_HISTORY
 from lamella.model import Model
 from lamella.result import Result, Sink
 from lamella.roles import Floats
-from lamella.sweep.outputs import ShapeOutput, SignalOutput, StudyOutput
+from lamella.sweep.outputs import MassOutput, ShapeOutput, SignalOutput, StudyOutput
 
 
 @dataclass
@@ -57,6 +57,15 @@ class Chain:
             ConvergenceError: it ended early.
             DeclarationError, ModelError: an output or the solution has no derivative.
         """
+        weighed = {name: output for name, output in outputs.items() if isinstance(output, MassOutput)}
+        for name, output in weighed.items():
+            self.values[name] = output.of_model(self.model)
+
+            def mass(side: Side, output: MassOutput = output) -> Floats:
+                return np.array([output.of_model(side.equations.model)])
+
+            self.derivatives[name] = np.concatenate([each.difference(mass) for each in self.neighbours])
+        outputs = {name: output for name, output in outputs.items() if name not in weighed}
         if isinstance(analysis, Statics):
             self._statics(analysis, outputs)
         elif isinstance(analysis, Motion):

@@ -14,8 +14,11 @@ from lamella.declaration import declaration
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.io.analysis import Analysis, Computed
+from lamella.io.linear_analysis import Linear
 from lamella.io.reader import suggestion
 from lamella.io.static_analysis import Buckling, NaturalModes
+from lamella.linear.state_space import StateSpace
+from lamella.model import Model
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.shapes import Shapes
@@ -191,6 +194,49 @@ class ShapeOutput(StudyOutput):
         if self.number > len(computed.values):
             raise DeclarationError("output", f"number = {self.number}", f"found were {len(computed.values)} shapes")
         return float(computed.values[self.number - 1])
+
+
+@declaration
+class MassOutput(StudyOutput):
+    """The mass of all bodies, or of one [kg].
+
+    Args:
+        body: name of a body; all when left out.
+        analysis: any; not needed.
+    """
+
+    body: str | None = None
+    analysis: str | None = None
+    kind: Literal["mass"] = "mass"
+
+    def fits(self, analysis: Analysis) -> bool:
+        return not isinstance(analysis, Linear)
+
+    def chosen(self, analyses: Mapping[str, Analysis]) -> Analysis:
+        fitting = [analysis for analysis in analyses.values() if self.fits(analysis)]
+        return super().chosen(analyses) if self.analysis is not None or not fitting else fitting[0]
+
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
+        return "kg"
+
+    def value(self, computed: Computed) -> float:
+        assert not isinstance(computed, StateSpace)
+        return self.of_model(computed.model)
+
+    def of_model(self, model: Model) -> float:
+        """The mass in a model: what accelerates against a force when all positions move alike.
+
+        Raises:
+            DeclarationError: there is no such body.
+        """
+        owners = np.array(model.owners)
+        if self.body is not None and self.body not in model.owners:
+            problem = f"body: there is no body '{self.body}' with mass{suggestion(self.body, dict.fromkeys(model.owners))}"
+            raise DeclarationError("output", problem)
+        chosen = model.is_position & ((owners == self.body) if self.body is not None else True)
+        moved = np.zeros(model.n_q)
+        moved[: model.n_motion : 3] = chosen
+        return float(moved @ (model.mass @ moved))
 
 
 STATISTICS: dict[str, Callable[[Floats, Floats], float]] = {
