@@ -25,13 +25,15 @@ if TYPE_CHECKING:
     from lamella.study.study import Study
 
 FILE = Path(__file__).parent / "optimize.yaml"
-ANGLES = tuple(np.linspace(0.0, 90.0, 6).tolist())
+ANGLES = tuple(np.linspace(0.0, 60.0, 13).tolist())
 """Of the grid [deg]."""
+LOWEST = 0.42
+"""Frequency that the search keeps [Hz]."""
 OWN = ("laminates.panel.angles", "laminates.panel.thickness")
 
 
 def study(study: Study) -> Iterator[Finding]:
-    """Search, look at a grid of angles with the thickness found, draw both, and yield the findings."""
+    """Search, look at a grid of the angle with the thickness found, draw both, and yield the findings."""
     for text in study.overrides:
         if text.startswith(OWN):
             accepted = "the search sets angles and thickness itself; accepted are other values, or the model file alone"
@@ -41,14 +43,13 @@ def study(study: Study) -> Iterator[Finding]:
     found = run_optimisation(replace(source, problem=problem), study.folder / "search", pictures=study.draw, say=study.say)
     study.files.extend(found.files)
     thickness = found.best.values["thickness"]
-    angles = {name: replace(problem.parameters[name], range=None, values=ANGLES) for name in ("outer", "inner")}
     around = ParameterStudy(
         model=str(Path(__file__).parent / "model.yaml"),
-        parameters=angles,
+        parameters={"outer": replace(problem.parameters["outer"], range=None, values=ANGLES)},
         design=GridDesign(),
         outputs=problem.outputs,
         set=(*problem.set, f"laminates.panel.thickness={thickness!r} mm"),
-        title="Grid of ply angles with the thickness found",
+        title="Grid of the outer plies' angle with the thickness found",
     )
     grid = run_parameter_study(around, study.folder / "grid", pictures=study.draw, progress=study.progress, say=study.say)
     study.files.extend(grid.files)
@@ -56,7 +57,7 @@ def study(study: Study) -> Iterator[Finding]:
         caption = (
             "Motion of the tip over both angles with the thickness found, the way of the search, and the limit of the frequency."
         )
-        study.show(map_figure(found, grid), "search", caption)
+        study.show(angle_figure(found, grid), "search", caption)
     yield stays_still(found)
     yield no_better(found, grid)
 
@@ -78,17 +79,16 @@ def stays_still(found: OptimisationResult) -> Finding:
 
 def no_better(found: OptimisationResult, grid: StudyResult) -> Finding:
     """No point of a coarse grid that keeps the limits is better."""
-    allowed = np.flatnonzero(grid["frequency"] >= 0.45)
+    allowed = np.flatnonzero(grid["frequency"] >= LOWEST)
     best = allowed[np.argmin(grid["tip"][allowed])] if len(allowed) else 0
     return Finding(
-        "On a coarse grid of both angles no panel that keeps the limits moves less.",
+        "On a grid of the angle no panel that keeps the limits moves less.",
         bool(len(allowed)) and bool(grid["tip"][best] >= found.best.outputs["tip"]),
         rounded(
             {
                 "tip, found by the search [m]": found.best.outputs["tip"],
                 "tip, best of the grid [m]": float(grid["tip"][best]),
                 "outer angle, best of the grid [deg]": float(grid["outer"][best]),
-                "inner angle, best of the grid [deg]": float(grid["inner"][best]),
                 "points of the grid": float(len(grid.rows)),
                 "of them within the limits": float(len(allowed)),
                 "worst of the grid [m]": float(np.nanmax(grid["tip"])),
@@ -98,27 +98,22 @@ def no_better(found: OptimisationResult, grid: StudyResult) -> Finding:
     )
 
 
-def map_figure(found: OptimisationResult, grid: StudyResult) -> Figure:
-    """The grid as a map of the tip's motion with the way of the search on it."""
-    from matplotlib.colors import LogNorm
+def angle_figure(found: OptimisationResult, grid: StudyResult) -> Figure:
+    """The tip's motion over the angle, on the grid and as the search went."""
+    from lamella.viz.style import COLOURS, new_figure, place_legend, styled
 
-    from lamella.viz.style import COLOUR_MAP, COLOURS, new_figure, place_legend, styled
-
-    shape = (len(ANGLES), len(ANGLES))
     with styled():
-        figure = new_figure(4.6)
+        figure = new_figure(3.8)
         axes = figure.add_subplot()
-        tip, frequency = (1e3 * grid["tip"]).reshape(shape), grid["frequency"].reshape(shape)
-        mesh = axes.pcolormesh(ANGLES, ANGLES, tip.T, cmap=COLOUR_MAP, norm=LogNorm(), shading="gouraud")
-        axes.contour(ANGLES, ANGLES, frequency.T, levels=[0.45], colors="white", linestyles="--")
-        axes.plot(found["outer"], found["inner"], "o-", color=COLOURS[1], markersize=4, label="search")
-        axes.plot(found["outer"][:1], found["inner"][:1], "s", color=COLOURS[1], markersize=7, label="start")
-        best = found.best.values
-        axes.plot([best["outer"]], [best["inner"]], "*", color="white", markersize=14, mec=COLOURS[1], label="best")
-        axes.plot([], [], "--", color="#8a95a3", label="0.45 Hz (white)")
+        kept = grid["frequency"] >= LOWEST
+        axes.semilogy(grid["outer"], 1e3 * grid["tip"], "-", color=COLOURS[0])
+        for chosen, face, label in ((kept, COLOURS[0], "grid, within the limits"), (~kept, "white", "grid, too slow")):
+            axes.plot(grid["outer"][chosen], 1e3 * grid["tip"][chosen], "o", color=COLOURS[0], markerfacecolor=face, label=label)
+        axes.plot(found["outer"], 1e3 * found["tip"], "s", color=COLOURS[1], markersize=4, label="search")
+        axes.plot(
+            [found.best.values["outer"]], [1e3 * found.best.outputs["tip"]], "*", color=COLOURS[1], markersize=13, label="best"
+        )
         axes.set_xlabel("outer plies [deg]")
-        axes.set_ylabel("inner plies [deg]")
-        axes.grid(False)
-        figure.colorbar(mesh, ax=axes, label="tip, root mean square [mm]")
+        axes.set_ylabel("tip, root mean square [mm]")
         place_legend(axes)
     return figure
