@@ -33,7 +33,7 @@ def write_report_of(result: OptimisationResult, finished: Sequence[Finished], fo
     make_folder(folder / PICTURES)
     search = save_figure(search_figure(result), folder / PICTURES / "search.png")
     drawn = [file for item in finished for file in item.files if file.suffix == ".png"]
-    bodies = [file for file in drawn if not file.stem.startswith("signal")][:SHOWN]
+    bodies = [file for file in drawn if file.stem not in ("signals", "energy")][:SHOWN]
     problem, chosen = result.problem, result.best
     rows = [[result.label(name), result.history[0].values[name], chosen.values[name]] for name in problem.parameters]
     rows += [[result.label(name), result.history[0].outputs[name], chosen.outputs[name]] for name in result.units]
