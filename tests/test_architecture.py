@@ -39,16 +39,8 @@ LAYERS = [
     {"integrate"},
     {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear", "stepping"},
     {
-        "__init__",
-        "study",
-        "sweep",
-        "io",
-        "fmu",
-        "viz",
-        "verification",
-        "bench",
-        "examples",
-        "templates",
+        *("__init__", "study", "sweep", "io", "fmu", "viz", "verification", "bench", "examples", "templates"),
+        *("differentiation", "optimisation"),
     },  # __init__: the public names
     {"cli", "__main__"},
 ]

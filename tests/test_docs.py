@@ -38,6 +38,11 @@ def studies(text: str) -> list[str]:
     return [body for body in blocks(text, "yaml") if body.startswith("study: 1")]
 
 
+def optimisations(text: str) -> list[str]:
+    """The optimisation files of a page."""
+    return [body for body in blocks(text, "yaml") if body.startswith("optimize: 1")]
+
+
 def commands(text: str) -> set[str]:
     """The subcommands of ``lamella`` that a page's shell blocks call."""
     return set(re.findall(r"^(?:\.venv/bin/)?lamella (\w+)", "\n".join(blocks(text, "sh")), re.MULTILINE))
@@ -79,6 +84,18 @@ def test_study_files_of_a_page_are_studies(page: Path, tmp_path: Path) -> None:
     for text in studies(page.read_text("utf-8")):
         (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
         assert read_study(tmp_path / "study.yaml").checked().units
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if optimisations(page.read_text("utf-8"))], ids=name)
+def test_optimisation_files_of_a_page_find_a_best_design(page: Path, tmp_path: Path) -> None:
+    from lamella.optimisation.problem import read_optimisation
+    from lamella.optimisation.run import run_optimisation
+
+    for text in optimisations(page.read_text("utf-8")):
+        (tmp_path / "optimize.yaml").write_text(text, encoding="utf-8")
+        found = run_optimisation(read_optimisation(tmp_path / "optimize.yaml"), tmp_path / "out", overwrite=True, pictures=False)
+        assert found.converged
+        assert found.best.meets
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)

@@ -25,10 +25,15 @@ if TYPE_CHECKING:
     from lamella.contact.obstacles import PlaneContact as PlaneContact
     from lamella.contact.obstacles import SphereContact as SphereContact
     from lamella.critical import CriticalPoint as CriticalPoint
+    from lamella.differentiation.gradient import Gradient as Gradient
+    from lamella.differentiation.gradient import gradient as gradient
     from lamella.fmu.export import export_fmu as export_fmu
     from lamella.integrate.bdf import BDF as BDF
     from lamella.integrate.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
+    from lamella.io.analysis import Motion as Motion
     from lamella.io.results import read_result as read_result
+    from lamella.io.static_analysis import NaturalModes as NaturalModes
+    from lamella.io.static_analysis import Statics as Statics
     from lamella.joint.clamp import Clamp as Clamp
     from lamella.joint.coupling import AngleCoupling as AngleCoupling
     from lamella.joint.coupling import PositionCoupling as PositionCoupling
@@ -92,6 +97,10 @@ if TYPE_CHECKING:
     from lamella.modal import Modes as Modes
     from lamella.modal import modes as modes
     from lamella.motion import simulate as simulate
+    from lamella.optimisation.problem import Limits as Limits
+    from lamella.optimisation.problem import Objective as Objective
+    from lamella.optimisation.problem import Optimisation as Optimisation
+    from lamella.optimisation.run import run_optimisation as run_optimisation
     from lamella.result import Outcome as Outcome
     from lamella.result import Result as Result
     from lamella.solve.arc_length import ArcLength as ArcLength
@@ -115,6 +124,7 @@ if TYPE_CHECKING:
     from lamella.sweep.designs import ListDesign as ListDesign
     from lamella.sweep.designs import SaltelliDesign as SaltelliDesign
     from lamella.sweep.designs import SobolDesign as SobolDesign
+    from lamella.sweep.outputs import MassOutput as MassOutput
     from lamella.sweep.outputs import ShapeOutput as ShapeOutput
     from lamella.sweep.outputs import SignalOutput as SignalOutput
     from lamella.sweep.parameter import Parameter as Parameter
@@ -136,10 +146,13 @@ _HOME = {
     "contact.friction": ("BristleFriction", "RegularisedFriction"),
     "contact.obstacles": ("CylinderContact", "PlaneContact", "SphereContact"),
     "critical": ("CriticalPoint",),
+    "differentiation.gradient": ("Gradient", "gradient"),
     "fmu.export": ("export_fmu",),
     "integrate.bdf": ("BDF",),
     "integrate.generalized_alpha": ("GeneralizedAlpha",),
+    "io.analysis": ("Motion",),
     "io.results": ("read_result",),
+    "io.static_analysis": ("NaturalModes", "Statics"),
     "body.rigid": ("RigidBody",),
     "body.shape": (
         "Box",
@@ -199,6 +212,8 @@ _HOME = {
         "TrapezoidalSpeed",
     ),
     "modal": ("Modes", "modes"),
+    "optimisation.problem": ("Limits", "Objective", "Optimisation"),
+    "optimisation.run": ("run_optimisation",),
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),
     "solve.arc_length": ("ArcLength",),
@@ -211,7 +226,7 @@ _HOME = {
     "surface.pulleys": ("PulleySurface",),
     "surface.revolution": ("AnnulusSurface", "BeltSurface", "ConeSurface", "CylinderSurface", "SphereSurface"),
     "sweep.designs": ("GridDesign", "LatinHypercubeDesign", "ListDesign", "SaltelliDesign", "SobolDesign"),
-    "sweep.outputs": ("ShapeOutput", "SignalOutput"),
+    "sweep.outputs": ("MassOutput", "ShapeOutput", "SignalOutput"),
     "sweep.parameter": ("Parameter",),
     "sweep.run": ("run_parameter_study",),
     "sweep.study": ("ParameterStudy",),

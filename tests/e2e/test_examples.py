@@ -65,6 +65,7 @@ def test_the_examples_are_listed_with_their_titles() -> None:
         "corner-pinned-plate",
         "solar-array",
         "layup-study",
+        "layup-optimisation",
         "deployment-springs",
         "thermal-flutter",
         "satellite-thermal",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -27,7 +27,7 @@ class Elimination:
 
     Args:
         T: sparse (n_q, n_u).
-        dependent: coordinates that are no unknowns, in the order of the rows that are kept.
+        dependent: coordinates that are no unknowns, in the order of the rows that are kept, shape (n_rows,).
         rows: all rows.
         kept: numbers of those that determine the dependent coordinates; the others repeat these.
 
@@ -50,7 +50,7 @@ class Elimination:
         self.C = C = _stacked(self.rows, n_q)
         self.moving: Ints = np.array([k for k, row in enumerate(self.rows) if row.motion is not None], dtype=np.int64)
         self._motions = [row.motion for row in self.rows if row.motion is not None]
-        self._dependent = dependent
+        self.dependent = dependent
         self._inverse = linalg.splu(sparse.csc_array(C[:, dependent])) if kept else None
         self._gram = linalg.splu(sparse.csc_array(C @ C.T)) if kept else None
         self.relations = self._repeated(rows)
@@ -63,7 +63,7 @@ class Elimination:
         for number in numbers.tolist():
             coefs = np.zeros(self.n_q)
             np.add.at(coefs, rows[number].coords, rows[number].coefs)
-            shares = self._inverse.solve(coefs[self._dependent], "T") if self._inverse else lengths
+            shares = self._inverse.solve(coefs[self.dependent], "T") if self._inverse else lengths
             used = np.flatnonzero(np.abs(shares) * lengths > NEGLIGIBLE * np.abs(rows[number].coefs).max())
             relation = {number: 1.0} | {self.kept[k]: -float(shares[k]) for k in used}
             _check_repeated(rows[number], relation, rows)
@@ -74,7 +74,7 @@ class Elimination:
         """The coordinates G c that obey C q = c with all independent ones 0, shape (n_q,) or (n_q, m) for c (n_rows, m)."""
         q = np.zeros((self.n_q, *c.shape[1:]))
         if self._inverse is not None:
-            q[self._dependent] = self._inverse.solve(c)
+            q[self.dependent] = self._inverse.solve(c)
         return q
 
     @property
@@ -135,10 +135,15 @@ class Elimination:
         return SumOperator(found)
 
 
-def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
+def eliminate(rows: Sequence[LinearRow], n_q: int, preferred: Collection[int] = ()) -> Elimination:
     """Reduce the rows to dependent coordinates expressed by independent ones.
 
     Each row, after substitution of what is already dependent, gives up the coordinate with its largest coefficient.
+
+    Args:
+        rows: the constraints.
+        n_q: number of coordinates.
+        preferred: coordinates to give up before others: those that another model gives up, from which this one differs by little.
 
     Raises:
         ConstraintError: a row contradicts others.
@@ -152,7 +157,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int) -> Elimination:
         if not terms:
             continue
         kept.append(number)
-        pivot = max(terms, key=lambda c: abs(terms[c]))
+        pivot = max(terms, key=lambda c: (c in preferred, abs(terms[c])))
         lead = terms.pop(pivot)
         order[pivot] = len(order)
         solved[pivot] = {c: -x / lead for c, x in terms.items()}

@@ -31,11 +31,13 @@ class Equations:
         model: the compiled model.
         symmetric: store the upper triangle only; by default when every block allows it. The symmetric part of a ``nearly``
             symmetric block is then used by Newton; ``symmetric=False`` gives the exact matrix.
+        like: the equations of a model that differs by little, whose unknowns are to be those of this one as well: the same
+            independent coordinates, and multipliers of the same rows.
     """
 
-    def __init__(self, model: Model, symmetric: bool | None = None) -> None:
+    def __init__(self, model: Model, symmetric: bool | None = None, like: Equations | None = None) -> None:
         self.model = model
-        self.elimination = eliminate(model.rows, model.n_q)
+        self.elimination = eliminate(model.rows, model.n_q, () if like is None else frozenset(like.elimination.dependent.tolist()))
         self.n_u = len(self.elimination.independent)
         self.magnitude = model.magnitude[self.elimination.independent]
         self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))
@@ -57,7 +59,9 @@ class Equations:
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = lru_cache(4)(self._moved_at), lru_cache(4)(self._carried_at)
         self._row_size = np.zeros(0)
-        if self.constraints.n_all or self.elimination.relations:
+        if like is not None:
+            self.constraints.kept, self._row_size = like.constraints.kept, like._row_size
+        elif self.constraints.n_all or self.elimination.relations:
             self._keep_independent()
 
     @property

@@ -105,6 +105,26 @@ def study(
 
 
 @app.command()
+def optimize(
+    file: Annotated[Path, typer.Argument(help="An optimisation file.", metavar="OPTIMIZE")],
+    out: OutFolder = None,
+    settings: Settings = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
+    no_pictures: Annotated[
+        bool, typer.Option("--no-pictures", help="Write the table only: no run of the best, no report.")
+    ] = False,
+) -> None:
+    """Look for the values of parameters at which an output is best, by gradients."""
+    from lamella.cli.optimise import optimise_command
+
+    try:
+        optimise_command(file, out, settings or [], overwrite=overwrite, quiet=quiet, pictures=not no_pictures)
+    except KeyboardInterrupt as error:
+        raise Interrupted(str(error)) from error
+
+
+@app.command()
 def new(
     name: Annotated[str | None, typer.Argument(help="The file to write; .yaml is added.")] = None,
     template: Annotated[str, typer.Option("--template", "-t", help="Which template.")] = "cantilever",

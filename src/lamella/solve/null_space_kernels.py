@@ -108,6 +108,16 @@ def reduce_core(values: Floats, mixed: Ints, weights: Floats, out: Floats) -> No
 
 
 @kernel
+def product(indptr: Ints, indices: Indices, k: Floats, x: Floats, out: Floats) -> None:
+    """out = K x, in compressed rows."""
+    for i in range(len(out)):
+        total = 0.0
+        for e in range(indptr[i], indptr[i + 1]):
+            total += k[e] * x[indices[e]]
+        out[i] = total
+
+
+@kernel
 def scaled(magnitude: Floats, probe: Floats, b: Floats, z: Floats) -> None:
     """A right-hand side b, and z, from the probe and the diagonal's magnitude."""
     for i in range(len(b)):

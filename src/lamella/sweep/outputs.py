@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Literal
 
 import numpy as np
@@ -11,10 +11,13 @@ from pydantic import Field
 
 from lamella.assembly.equations import Equations
 from lamella.declaration import declaration
+from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.io.analysis import Analysis, Computed
+from lamella.io.linear_analysis import Linear
 from lamella.io.reader import suggestion
 from lamella.io.static_analysis import Buckling, NaturalModes
+from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.result import Result
 from lamella.roles import Floats
@@ -37,8 +40,12 @@ class StudyOutput(ABC):
     analysis: str | None
 
     @abstractmethod
-    def check(self, analysis: Analysis, model: Model) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
         """Refuse what the analysis does not give; returns the unit.
+
+        Args:
+            analysis: from which it is taken.
+            signals: that the analysis records, by name.
 
         Raises:
             DeclarationError: the message says what there is.
@@ -93,11 +100,15 @@ class SignalOutput(StudyOutput):
     analysis: str | None = None
     kind: Literal["signal"] = "signal"
 
+    @property
+    def of_end(self) -> bool:
+        """Whether it is the value in the last state."""
+        return self.statistic == "last" and self.end is None
+
     def fits(self, analysis: Analysis) -> bool:
         return bool(analysis.axis)
 
-    def check(self, analysis: Analysis, model: Model) -> str:
-        signals = {signal.name: signal for signal in analysis.signals(Equations(model))}
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
         if self.signal not in signals:
             raise DeclarationError("output", f"signal: there is no signal '{self.signal}'{suggestion(self.signal, signals)}")
         found = signals[self.signal]
@@ -123,18 +134,28 @@ class SignalOutput(StudyOutput):
 
     def value(self, computed: Computed) -> float:
         assert isinstance(computed, Result)
-        values = computed.history(self.signal)
+        values = computed.history(self.signal).values
+        return self.number(computed.at, values.reshape(len(values), -1), tuple(computed.signals[self.signal].labels))
+
+    def number(self, at: Floats, values: Floats, labels: tuple[str, ...]) -> float:
+        """The number from samples of the signal.
+
+        Args:
+            at: times [s] or load factors, shape (n,).
+            values: shape (n, n_component).
+            labels: of the components.
+        """
         if self.component == NORM:
-            z = np.linalg.norm(values.values, axis=1)
+            z = np.linalg.norm(values, axis=1)
         else:
-            z = (values if self.component is None else values.sel(component=self.component)).values
-        at, z = self._within(computed.at, np.asarray(z, float))
+            z = values[:, 0 if self.component is None else labels.index(self.component)]
+        at, z = self.within(at, np.asarray(z, float))
         return float(STATISTICS[self.statistic](at, z))
 
     def _window(self, first: float, last: float) -> tuple[float, float]:
         return (first if self.start is None else self.start), (last if self.end is None else self.end)
 
-    def _within(self, at: Floats, z: Floats) -> tuple[Floats, Floats]:
+    def within(self, at: Floats, z: Floats) -> tuple[Floats, Floats]:
         """Samples in the window, with interpolated ones at its ends."""
         if self.start is None and self.end is None:
             return at, z
@@ -162,7 +183,7 @@ class ShapeOutput(StudyOutput):
     def fits(self, analysis: Analysis) -> bool:
         return isinstance(analysis, (NaturalModes, Buckling))
 
-    def check(self, analysis: Analysis, model: Model) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
         assert isinstance(analysis, (NaturalModes, Buckling))
         if self.number > analysis.count:
             raise DeclarationError("output", f"number = {self.number}", f"analysis '{analysis.name}' computes {analysis.count}")
@@ -175,6 +196,49 @@ class ShapeOutput(StudyOutput):
         return float(computed.values[self.number - 1])
 
 
+@declaration
+class MassOutput(StudyOutput):
+    """The mass of all bodies, or of one [kg].
+
+    Args:
+        body: name of a body; all when left out.
+        analysis: any; not needed.
+    """
+
+    body: str | None = None
+    analysis: str | None = None
+    kind: Literal["mass"] = "mass"
+
+    def fits(self, analysis: Analysis) -> bool:
+        return not isinstance(analysis, Linear)
+
+    def chosen(self, analyses: Mapping[str, Analysis]) -> Analysis:
+        fitting = [analysis for analysis in analyses.values() if self.fits(analysis)]
+        return super().chosen(analyses) if self.analysis is not None or not fitting else fitting[0]
+
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
+        return "kg"
+
+    def value(self, computed: Computed) -> float:
+        assert not isinstance(computed, StateSpace)
+        return self.of_model(computed.model)
+
+    def of_model(self, model: Model) -> float:
+        """The mass in a model: what accelerates against a force when all positions move alike.
+
+        Raises:
+            DeclarationError: there is no such body.
+        """
+        owners = np.array(model.owners)
+        if self.body is not None and self.body not in model.owners:
+            problem = f"body: there is no body '{self.body}' with mass{suggestion(self.body, dict.fromkeys(model.owners))}"
+            raise DeclarationError("output", problem)
+        chosen = model.is_position & ((owners == self.body) if self.body is not None else True)
+        moved = np.zeros(model.n_q)
+        moved[: model.n_motion : 3] = chosen
+        return float(moved @ (model.mass @ moved))
+
+
 STATISTICS: dict[str, Callable[[Floats, Floats], float]] = {
     "last": lambda at, z: z[-1],
     "max": lambda at, z: z.max(),
@@ -184,3 +248,8 @@ STATISTICS: dict[str, Callable[[Floats, Floats], float]] = {
     "rms": lambda at, z: np.sqrt(time_average(at, z**2)),
     "std": lambda at, z: np.sqrt(time_average(at, (z - time_average(at, z)) ** 2)),
 }
+
+
+def recorded(analyses: Iterable[Analysis], equations: Equations) -> dict[str, dict[str, Signal]]:
+    """The signals that each analysis records, by the analysis's name and theirs."""
+    return {each.name: {signal.name: signal for signal in each.signals(equations)} if each.axis else {} for each in analyses}

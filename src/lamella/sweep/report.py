@@ -23,7 +23,7 @@ def write_outputs(result: StudyResult, checked: Checked, folder: Path, pictures:
     Raises:
         ResultFileError: a file cannot be written.
     """
-    files = write_tables(result, folder)
+    files = write_tables(result.columns(), folder, "table")
     found = sensitivities(result)
     if found:
         heading = ["output", "parameter", "measure", "value", "low", "high"]

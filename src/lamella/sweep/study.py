@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from lamella.assembly.equations import Equations
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError, LamellaError, ModelFileError
 from lamella.examples import Example, find_model
@@ -16,7 +17,7 @@ from lamella.io.document import Document, Place
 from lamella.io.model_file import ModelFile, loads
 from lamella.io.reader import FAILED, Reader
 from lamella.sweep.designs import Design, Row, design_rows
-from lamella.sweep.outputs import StudyOutput
+from lamella.sweep.outputs import StudyOutput, recorded
 from lamella.sweep.parameter import Parameter
 
 TRIED = 10
@@ -132,10 +133,11 @@ class StudyFile:
         analyses = {analysis.name: analysis for analysis in first.analyses}
         if not analyses:
             raise self.refused(("model",), f"{path} asks for no analysis, so that there is nothing to run")
-        units = {}
+        signals, units = recorded(first.analyses, Equations(model)), {}
         for name, output in study.outputs.items():
             try:
-                units[name] = output.check(output.chosen(analyses), model)
+                chosen = output.chosen(analyses)
+                units[name] = output.check(chosen, signals[chosen.name])
             except DeclarationError as error:
                 key = error.problem.partition(":")[0]
                 place: tuple[str, ...] = ("outputs", name, *([key] if hasattr(output, key) else []))

@@ -73,21 +73,20 @@ class StudyResult:
         return table
 
 
-def write_tables(result: StudyResult, folder: Path) -> list[Path]:
-    """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed.
+def write_tables(columns: Mapping[str, Sequence[object]], folder: Path, name: str) -> list[Path]:
+    """Write columns as ``name.csv``, and as ``name.parquet`` where pyarrow is installed.
 
     Raises:
         ResultFileError: one cannot be written.
     """
-    columns = result.columns()
-    files = [write_rows(folder / "table.csv", list(columns), zip(*columns.values(), strict=True))]
+    files = [write_rows(folder / f"{name}.csv", list(columns), zip(*columns.values(), strict=True))]
     if importlib.util.find_spec("pyarrow") is not None:
         import pyarrow
         import pyarrow.parquet
 
-        path = folder / "table.parquet"
+        path = folder / f"{name}.parquet"
         try:
-            pyarrow.parquet.write_table(pyarrow.table(columns), path)
+            pyarrow.parquet.write_table(pyarrow.table(dict(columns)), path)
         except OSError as error:
             raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
         files.append(path)

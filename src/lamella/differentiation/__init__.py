@@ -1,0 +1,1 @@
+"""Derivatives of outputs by parameters: solutions are differentiated with their exact matrices, residuals by differences."""

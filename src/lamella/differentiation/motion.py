@@ -1,0 +1,131 @@
+"""Derivatives of a motion: the recursion of generalised-alpha differentiated, step by step along the run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import Point
+from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.solution import (
+    ExactMatrix,
+    PointDerivative,
+    projected_velocities,
+    rates_derivative,
+    residual_difference,
+    start_derivative,
+)
+from lamella.errors import DeclarationError
+from lamella.integrate.base import Integrator
+from lamella.integrate.generalized_alpha import GeneralizedAlpha, GeneralizedAlphaStepper
+from lamella.integrate.staggered import StaggeredNewton
+from lamella.result import Statistics
+from lamella.solve.linear import Method
+
+Sample = Callable[[Point, Sequence[PointDerivative]], None]
+"""Takes each point of a run with its derivatives."""
+
+
+@dataclass(frozen=True)
+class DifferentiatedAlpha(Integrator):
+    """Generalised-alpha that carries derivatives along; the run itself is the same to the last digit.
+
+    Args:
+        options: the method.
+        neighbours: of each parameter.
+        start: derivatives of the initial state; None for the reference configuration.
+        sample: takes each point with its derivatives.
+    """
+
+    options: GeneralizedAlpha
+    neighbours: Sequence[Neighbours]
+    start: Sequence[PointDerivative] | None
+    sample: Sample
+
+    def __post_init__(self) -> None:
+        for name in ("dt", "dt_min", "dt_max", "tolerance"):
+            object.__setattr__(self, name, getattr(self.options, name))
+
+    def stepper(self, equations: Equations, statistics: Statistics, solver: Method) -> DifferentiatedStepper:
+        """A stepper for these equations."""
+        return DifferentiatedStepper(self, equations, statistics, solver)
+
+
+class DifferentiatedStepper(GeneralizedAlphaStepper):
+    """Differentiates each accepted step.
+
+    With the new unknowns u' the step is r(u', v0 + alpha_v u', a0 + alpha_a u', lam'; p) = 0, where v0 and a0 are linear in the
+    state before. Its derivative is
+
+        A du' + J^T dlam' = -(dr/dp at u' + D dv0 + M da0),    J du' = -dPhi/dp,    A = K + alpha_v D + alpha_a M
+
+    with the exact matrix A at u', factorised once for all parameters, and the right-hand side by central differences of
+    residuals at u' (:func:`~lamella.differentiation.solution.residual_difference`). Steps keep the lengths that they have.
+    """
+
+    def __init__(self, made: DifferentiatedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
+        super().__init__(made.options, equations, statistics, solver)
+        if self.stabilised is not None or isinstance(self.newton, StaggeredNewton):
+            problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
+            raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
+        self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
+        self.matrix = ExactMatrix(equations)
+        self.derivatives: list[PointDerivative] = []
+
+    def restart(self, point: Point) -> None:
+        """As the method does; at the start of a run the derivatives are those of the initial state."""
+        first = not self.derivatives
+        before = point if first else self.point
+        super().restart(point)
+        if first:
+            for each in self.neighbours:
+                each.reset()
+            given = self.given or [None] * len(self.neighbours)
+            self.derivatives = [
+                start_derivative(*pair) for pair in zip(self.neighbours, [point] * len(given), given, strict=True)
+            ]
+        else:
+            self.derivatives = projected_velocities(self.matrix, before, point, self.neighbours, self.derivatives)
+        self.derivatives = rates_derivative(self.matrix, point, self.neighbours, self.derivatives)
+        self._algorithmic = [each.udd.copy() for each in self.derivatives]
+        self._rules = [copy(self.fields) for _ in self.derivatives]
+        for rule, each in zip(self._rules, self.derivatives, strict=True):
+            rule.restart(each.ud[self.n :])
+        if first:
+            self._take_note(point)
+
+    def accept(self) -> Point:
+        """Make the step final, and differentiate it."""
+        assert self._new is not None, "accept follows a converged step"
+        dt = self._new[3]
+        point = super().accept()
+        weights = self.weights(dt)
+        self.matrix.factorise(point, weights)
+        n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
+        for k, (each, old, a, rule) in enumerate(
+            zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
+        ):
+            base = old.u + dt * old.ud + dt**2 * (0.5 - self.beta) * a
+            ud0 = old.ud + dt * (1 - self.gamma) * a - weights.alpha_v * base
+            udd0 = (alpha_m * a - alpha_f * old.udd) / (1 - alpha_f) - weights.alpha_a * base
+            value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
+            ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
+            du, dlam = self.matrix.solve(*residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam)))
+            slope = np.concatenate([np.full(n, weights.alpha_v), np.full(len(du) - n, weights.rate)])
+            udd = udd0 + weights.alpha_a * du
+            udd[n:] = 0.0
+            new = PointDerivative(du, ud0 + slope * du, udd, dlam)
+            self._algorithmic[k] = ((1 - alpha_f) * new.udd + alpha_f * old.udd - alpha_m * a) / (1 - alpha_m)
+            rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
+            self.derivatives[k] = new
+        self._take_note(point)
+        return point
+
+    def _take_note(self, point: Point) -> None:
+        self.sample(point, self.derivatives)
+        for each, derivative in zip(self.neighbours, self.derivatives, strict=True):
+            each.settle(point.t, lambda side, known=derivative: side.equations.coordinates(known.moved(point, side.distance)))

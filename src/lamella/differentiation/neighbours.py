@@ -1,0 +1,138 @@
+"""The models on both sides of a parameter's value, in the unknowns of the model at the value itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.errors import DeclarationError, LamellaError
+from lamella.roles import ConstraintBlock, Floats, ForceBlock
+from lamella.system import System
+
+STEP = 1e-5
+"""Step of central differences, in sizes of what is changed: near the cube root of the rounding unit, 6e-6. It leaves 1e-10 of
+the third derivative and 1e-11 of the value differenced."""
+WIDE = 2e-4
+"""Step of differences of fourth order, in sizes of what is changed: near the fifth root of the rounding unit, 7e-4. It leaves
+1e-14 of the fifth derivative and 1e-12 of the value differenced."""
+CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
+FOURTH = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
+"""Places in steps and weights of the differences."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """A model beside the value of a parameter.
+
+    Args:
+        distance: of the parameter from the value, in its unit.
+        weight: of the side in a derivative [1 / unit].
+        equations: of the model there.
+    """
+
+    distance: float
+    weight: float
+    equations: Equations
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Models beside the value of one parameter, by which functions of the parameter are differentiated.
+
+    All take their unknowns from the model in the middle, so that coordinates that supports eliminate there are eliminated here.
+
+    Args:
+        name: of the parameter.
+        sides: the models.
+    """
+
+    name: str
+    sides: Sequence[Side]
+
+    @property
+    def rule(self) -> tuple[float, tuple[tuple[float, float], ...]]:
+        """Step, in sizes, and places and weights of the difference that suits the parameter."""
+        return (STEP, CENTRAL) if len(self.sides) == len(CENTRAL) else (WIDE, FOURTH)
+
+    def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
+        """The derivative of a function, from its values at the sides."""
+        first, *others = (side.weight * evaluate(side) for side in self.sides)
+        return sum(others, start=first)
+
+    def settle(self, t: float, coordinates: Callable[[Side], Floats]) -> None:
+        """Tell blocks with a discrete state the coordinates that were accepted at each side."""
+        for side in self.sides:
+            model = side.equations.model
+            blocks = [block for block in (*model.forces, *model.loads, *model.constraints) if _remembers(block)]
+            q = coordinates(side) if blocks else np.zeros(0)
+            for block in blocks:
+                block.settle(t, q)
+
+    def reset(self) -> None:
+        """Put the models back to the start of a run."""
+        for side in self.sides:
+            side.equations.model.reset()
+
+
+def neighbours_of(name: str, base: Equations, value: float, size: float, made: Callable[[float], System]) -> Neighbours:
+    """The neighbours of a model.
+
+    Two are enough for a parameter of material, section or load. One that moves the places at which coordinates have no strain
+    stretches a plate that is held in its place; the membrane is stiffer than the bending by 12 (length / thickness)^2, and to
+    third order that would be seen. Such a parameter has four neighbours, with differences of fourth order.
+
+    Args:
+        name: of the parameter.
+        base: the equations at its value.
+        value: of the parameter, in its unit.
+        size: of a change of the parameter that matters, in its unit.
+        made: gives the system for a value.
+
+    Raises:
+        DeclarationError: there is no model beside the value, or one of another kind.
+    """
+    above = _beside(name, base, value + STEP * size, made)
+    step, rule = (WIDE * size, FOURTH) if _moves(base, above) else (STEP * size, CENTRAL)
+    sides = []
+    for place, weight in rule:
+        there = value + place * step
+        equations = above if rule is CENTRAL and place > 0.0 else _beside(name, base, there, made)
+        sides.append(Side(there - value, weight / step, equations))
+    return Neighbours(name, sides)
+
+
+def _moves(base: Equations, there: Equations) -> bool:
+    """Whether a parameter changes coordinates in which unknowns are as they were, or the reference configuration."""
+    start = base.start()
+    here, moved = base.coordinates(start), there.coordinates(start)
+    motions = [[row.motion for row in equations.elimination.rows] for equations in (base, there)]
+    return not (np.array_equal(here, moved) and np.array_equal(base.model.q0, there.model.q0) and motions[0] == motions[1])
+
+
+def _remembers(block: ForceBlock | ConstraintBlock) -> bool:
+    return type(block).settle not in (ForceBlock.settle, ConstraintBlock.settle)
+
+
+def _beside(name: str, base: Equations, value: float, made: Callable[[float], System]) -> Equations:
+    try:
+        model = made(value).compile()
+        found = Equations(model, like=base) if model.n_q == base.model.n_q else None
+    except LamellaError as error:
+        raise DeclarationError(
+            "gradient", f"there is no model at {name} = {value!r}, beside the value asked for: {error}", "choose another value"
+        ) from error
+    if found is None or not _same_form(found, base):
+        accepted = "accepted is one that changes sizes, materials, loads or places"
+        raise DeclarationError("gradient", f"{name} changes the number of unknowns or constraints", accepted)
+    if not np.array_equal(model.breakpoints, base.model.breakpoints):
+        accepted = "accepted is one that moves no such time"
+        raise DeclarationError("gradient", f"{name} moves a time at which a load or motion jumps", accepted)
+    return found
+
+
+def _same_form(found: Equations, base: Equations) -> bool:
+    same = np.array_equal(found.elimination.independent, base.elimination.independent)
+    return same and found.constraints.labels == base.constraints.labels and found.elimination.kept == base.elimination.kept

@@ -1,0 +1,154 @@
+"""Derivatives of recorded signals, from those of the solution."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy import sparse
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.matrix import MatrixAssembly
+from lamella.assembly.point import STATIC, Point, Weights
+from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.solution import PointDerivative
+from lamella.dofs import Signal
+from lamella.linear.steady import RATES
+from lamella.roles import Floats
+from lamella.signals import LOAD_FACTOR, system_signals
+from lamella.state import State
+
+
+class SignalDerivatives:
+    """Some signals along a solution, with their derivatives by each parameter.
+
+    The derivative of y(state(p), p) has two parts, each a central difference of signals: between the neighbours with the unknowns
+    as they are, and along the change of the state. Signals are at most quadratic in velocities and forces, and most are in
+    positions: there differences are exact up to rounding. Reactions change by K dq + D dv + M da + Phi_q^T dlam in all
+    coordinates, exactly.
+
+    Args:
+        equations: of the model.
+        neighbours: of each parameter.
+        names: of the signals.
+
+    Attributes:
+        at: time or load factor of each sample.
+        values: of each signal by name, a list with an entry (n_component,) for each sample.
+        derivatives: the same, with entries (n_parameter, n_component).
+    """
+
+    def __init__(self, equations: Equations, neighbours: Sequence[Neighbours], names: Sequence[str]) -> None:
+        self.equations, self.neighbours = equations, neighbours
+        self._own = _chosen(equations, names)
+        self._theirs = [[_chosen(side.equations, names) for side in each.sides] for each in neighbours]
+        held = tuple(f"{support.name}." for support in equations.model.supports)
+        self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
+        self._size = equations.model.magnitude
+        self._recorded = bool(names)
+        self.at: list[float] = []
+        self.values: dict[str, list[Floats]] = {name: [] for name in names}
+        self.derivatives: dict[str, list[Floats]] = {name: [] for name in names}
+
+    def sample(self, point: Point, derivatives: Sequence[PointDerivative]) -> None:
+        """Take note of a point of the solution."""
+        if not self._recorded:
+            return
+        state = self._state(self.equations, point)
+        if self._reactions is not None:
+            self._reactions.look(point, state)
+        found: dict[str, list[Floats]] = {name: [] for name in self._own}
+        for each, theirs, known in zip(self.neighbours, self._theirs, derivatives, strict=True):
+            change = self._change(state, known)
+            ends, shares = self._along(each, state, change)
+            sides = [self._state(side.equations, point) for side in each.sides]
+            weights = [side.weight for side in each.sides]
+            for name, signal in self._own.items():
+                here = _value(signal, state)
+                partial = _weighed(here, weights, [s[name] for s in theirs], sides)
+                found[name].append(partial + _weighed(here, shares, [signal] * len(ends), ends))
+        self.at.append(point.t if not point.at_rest else point.factor)
+        for name, signal in self._own.items():
+            self.values[name].append(_value(signal, state))
+            self.derivatives[name].append(np.array(found[name]).reshape(len(derivatives), -1))
+
+    def _state(self, equations: Equations, point: Point) -> State:
+        if self._reactions is not None:
+            return equations.state(point)
+        q, v, a = equations.coordinates(point), equations.velocities(point), equations.accelerations(point)
+        none = np.zeros(len(equations.elimination.rows))
+        return State(point.t, q, v, a, equations.constraints.full(point.lam), none, point.factor)
+
+    def _change(self, state: State, known: PointDerivative) -> State:
+        """Derivative of the state, with the unknowns' part of it alone."""
+        expand, full = self.equations.expand, self.equations.constraints.full
+        change = replace(state, q=expand(known.u), v=expand(known.ud), a=expand(known.udd), lam=full(known.lam))
+        held = self._reactions
+        return replace(change, mu=np.zeros_like(state.mu) if held is None else held.change(change, known.lam))
+
+    def _along(self, each: Neighbours, state: State, change: State) -> tuple[list[State], list[float]]:
+        """States along a change, of a small share of the bodies' size, and their weights in a derivative."""
+        share, rule = each.rule
+        moved = np.abs(change.q / self._size).max()
+        fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.mu))
+        step = share / moved if moved > 0.0 else 1.0 / fastest if fastest > 0.0 else 1.0
+        states = []
+        for place, _ in rule:
+            parts = {name: getattr(state, name) + place * step * getattr(change, name) for name in ("q", "v", "a", "lam", "mu")}
+            states.append(replace(state, **parts))
+        return states, [weight / step for _, weight in rule]
+
+
+class Reactions:
+    """How the forces of eliminated constraints follow a change of the state, by the matrices in all coordinates.
+
+    Args:
+        equations: of the model.
+    """
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations, n = equations, equations.model.n_q
+        identity = sparse.csr_array(sparse.eye_array(n))
+        self._assembly = MatrixAssembly(equations.model, equations.constraints, identity, n, symmetric=False)
+
+    def look(self, point: Point, state: State) -> None:
+        """Take the matrices at a point."""
+        self._point, self._q = point, state.q
+        self._K = self._matrix(STATIC, state)
+        self._D = self._matrix(RATES, state) if self.equations.depends_on_velocity else None
+
+    def change(self, change: State, dlam: Floats) -> Floats:
+        """Change of the forces of rows."""
+        equations, total = self.equations, self._K @ change.q
+        if self._D is not None:
+            total += self._D @ change.v
+        if not self._point.at_rest:
+            total += equations.momentum(change.a)
+        equations.constraints.add_force(self._point.t, self._q, dlam, total)
+        return equations.elimination.row_forces(total)
+
+    def _matrix(self, weights: Weights, state: State) -> sparse.csr_array:
+        equations = self.equations
+        k, _ = self._assembly.values(equations.forces, equations.loads, self._point, state.q, state.v, weights, state.q)
+        return self._assembly.pattern.matrix(k.copy())
+
+
+def _chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:
+    known = {signal.name: signal for signal in (LOAD_FACTOR, *system_signals(equations))}
+    return {name: known[name] for name in names}
+
+
+def _value(signal: Signal, state: State) -> Floats:
+    return np.atleast_1d(np.asarray(signal.evaluate(state), float))
+
+
+def _weighed(here: Floats, weights: Sequence[float], signals: Sequence[Signal], states: Sequence[State]) -> Floats:
+    """Sum of weights, which are zero together, times changes of a signal from its value here."""
+    total = np.zeros_like(here)
+    for weight, signal, state in zip(weights, signals, states, strict=True):
+        change = _value(signal, state) - here
+        if signal.unit == "rad":  # an angle at the end of its range
+            change -= 2.0 * np.pi * np.round(change / (2.0 * np.pi))
+        total += weight * change
+    return total

@@ -1,0 +1,198 @@
+"""Derivatives of a solution: one factorisation of the exact matrix, and one substitution for each parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import STATIC, Point, Weights
+from lamella.differentiation.neighbours import Neighbours, Side
+from lamella.errors import ModelError, SingularSystemError
+from lamella.roles import Floats
+from lamella.solve.base import LinearSolver
+from lamella.solve.initial import MASS_ONLY, make_consistent
+from lamella.solve.linear import linear_solver
+
+
+@dataclass
+class PointDerivative:
+    """Derivative of a :class:`Point` by a parameter.
+
+    Args:
+        u, ud, udd: of the independent coordinates, their velocities and accelerations, shape (n_u,).
+        lam: of the multipliers, shape (n_lam,).
+    """
+
+    u: Floats
+    ud: Floats
+    udd: Floats
+    lam: Floats
+
+    def moved(self, point: Point, distance: float) -> Point:
+        """The point with coordinates and velocities that belong to a value of the parameter at a distance."""
+        there = point.copy()
+        there.u += distance * self.u
+        there.ud += distance * self.ud
+        return there
+
+
+class ExactMatrix:
+    """The exact matrix of the equations at a point, factorised.
+
+    Args:
+        equations: of the model.
+    """
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations = exact(equations)
+        self.linear: LinearSolver = linear_solver(self.equations.matrix.pattern)
+
+    def factorise(self, point: Point, weights: Weights) -> None:
+        """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints.
+
+        Raises:
+            ModelError: it is singular, so that the solution is not differentiable.
+        """
+        _, _, k, j = self.equations.linearise(point, weights)
+        try:
+            self.linear.factorise(k, j)
+        except SingularSystemError as error:
+            what = str(error) if error.index is None else self.equations.free(error.index)
+            raise ModelError(f"gradient: the matrix of the solution is singular, so that it has no derivative: {what}") from error
+
+    def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
+        """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for."""
+        return self.linear.solve(-r, -s)
+
+
+def exact(equations: Equations) -> Equations:
+    """The same equations with their exact matrix: unsymmetric where a block is only nearly symmetric."""
+    model = equations.model
+    symmetric = all(block.symmetry == "symmetric" for block in (*model.forces, *model.loads))
+    return equations if symmetric == equations.symmetric else Equations(model, symmetric=symmetric, like=equations)
+
+
+def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative | None = None) -> tuple[Floats, Floats]:
+    """Derivatives of r and Phi by the parameter with u and lam as they are, and velocities and accelerations that follow ``x``.
+
+    Coordinates stay: along a straight line in them a plate that turns is stretched with the square of the step, and its
+    membrane is stiffer than its bending by 12 (length / thickness)^2, which would spoil a difference. In velocities and
+    accelerations forces are linear or nearly so.
+    """
+
+    def evaluate(side: Side) -> Floats:
+        there = point
+        if x is not None:
+            ud, udd = point.ud + side.distance * x.ud, point.udd + side.distance * x.udd
+            there = Point(point.t, point.u, ud, udd, point.lam, point.factor)
+        return np.concatenate(side.equations.residual(there))
+
+    found = neighbours.difference(evaluate)
+    return found[: len(point.u)], found[len(point.u) :]
+
+
+def static_derivatives(matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours]) -> list[PointDerivative]:
+    """Derivatives of an equilibrium by each parameter: K du + J^T dlam = -dr/dp, J du = -dPhi/dp.
+
+    Raises:
+        ModelError: the stiffness is singular, as at a critical point.
+    """
+    matrix.factorise(point, STATIC)
+    found, still = [], np.zeros_like(point.u)
+    for each in neighbours:
+        du, dlam = matrix.solve(*residual_difference(each, point))
+        found.append(PointDerivative(du, still, still, dlam))
+    return found
+
+
+def start_derivative(neighbours: Neighbours, point: Point, given: PointDerivative | None) -> PointDerivative:
+    """Derivative of the start of a motion: coordinates and velocities; accelerations and multipliers vanish yet.
+
+    Args:
+        neighbours: of the parameter.
+        point: the start.
+        given: derivative of the state it was given; None for the reference configuration.
+    """
+
+    def evaluate(side: Side) -> Floats:
+        equations = side.equations
+        there = equations.start(point.t) if given is None else given.moved(point, side.distance)
+        if equations.n_lam:
+            make_consistent(equations, there, linear_solver(equations.matrix.pattern))
+        return np.concatenate([there.u, there.ud])
+
+    du, dud = np.split(neighbours.difference(evaluate), 2)
+    return PointDerivative(du if given is None else given.u, dud, np.zeros_like(du), np.zeros(len(point.lam)))
+
+
+def rates_derivative(
+    matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours], found: Sequence[PointDerivative]
+) -> list[PointDerivative]:
+    """Derivatives of accelerations, multipliers and rates of fields at a consistent start, from those of u and ud.
+
+        M dudd + J^T dlam = -(dr/dp + K du + D dud),     J dudd = -d(J udd + gamma)
+
+    Args:
+        matrix: of the equations; factorised here.
+        point: the start.
+        neighbours: of each parameter.
+        found: derivatives of u and ud.
+    """
+    equations, n = matrix.equations, matrix.equations.n_motion
+    pattern = equations.matrix.pattern
+    K = pattern.matrix(equations.linearise(point, STATIC)[2].copy())
+    matrix.factorise(point, MASS_ONLY)
+    derivatives = []
+    for each, known in zip(neighbours, found, strict=True):
+        dud = np.concatenate([known.ud[:n], np.zeros(len(known.ud) - n)])  # rates of fields are what is looked for
+        dr = residual_difference(each, point, PointDerivative(known.u, dud, np.zeros_like(dud), known.lam))[0] + K @ known.u
+
+        def needed(side: Side, known: PointDerivative = known) -> Floats:
+            there, at = side.equations, known.moved(point, side.distance)
+            return there.acceleration_rest(at) + there.constraints.times(at.t, there.coordinates(at), there.expand(at.udd))
+
+        rates, dlam = matrix.solve(dr, each.difference(needed))
+        dud[n:] = rates[n:]
+        derivatives.append(PointDerivative(known.u, dud, np.concatenate([rates[:n], np.zeros(len(rates) - n)]), dlam))
+    return derivatives
+
+
+def projected_velocities(
+    matrix: ExactMatrix, before: Point, after: Point, neighbours: Sequence[Neighbours], found: Sequence[PointDerivative]
+) -> list[PointDerivative]:
+    """Derivatives of velocities that were projected onto the constraints where a motion begins anew.
+
+    With x = ud' - ud the projection is M x + J^T kappa = 0, J (ud + x) + Phi_t = 0, and its derivative
+
+        M dx + J^T dkappa = -d(M x + J^T kappa),     J dx = -d(J (ud + x) + Phi_t)
+
+    with x and kappa as they are on the right.
+
+    Args:
+        matrix: of the equations; factorised here.
+        before, after: the point with the velocities before and after.
+        neighbours: of each parameter.
+        found: derivatives of u and ud before.
+    """
+    equations = matrix.equations
+    if not equations.n_lam:
+        return list(found)
+    matrix.factorise(after, MASS_ONLY)
+    at = replace(before, t=after.t)
+    x, kappa = matrix.solve(np.zeros(equations.n_u), equations.velocity_violation(at))
+    none = replace(after, udd=np.zeros_like(x), lam=np.zeros_like(kappa))
+    moving = replace(after, udd=x, lam=kappa)
+
+    def of_forces(side: Side, known: PointDerivative) -> Floats:
+        ends = [side.equations.residual(replace(p, u=known.moved(p, side.distance).u))[0] for p in (moving, none)]
+        return ends[0] - ends[1]
+
+    derivatives = []
+    for each, known in zip(neighbours, found, strict=True):
+        forces = each.difference(lambda side, known=known: of_forces(side, known))
+        rates = each.difference(lambda side, known=known: side.equations.velocity_violation(known.moved(after, side.distance)))
+        derivatives.append(replace(known, ud=known.ud + matrix.solve(forces, rates)[0]))
+    return derivatives

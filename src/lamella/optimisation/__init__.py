@@ -1,0 +1,1 @@
+"""Optimisation: the best design of a model by the gradients of its outputs."""

@@ -1,0 +1,201 @@
+"""Derivatives by parameters against differences of whole solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+
+import lamella as lm
+from lamella.errors import DeclarationError
+from lamella.roles import Floats
+
+TIGHT = lm.Newton(tolerance=1e-12, keep=0.0, line_search=True)
+SPAN = 1e-3
+"""Of differences of fourth order, as a share of the parameter: it leaves 1e-12 of the fifth derivative, and of what Newton's
+tolerance leaves of the value 1e-9."""
+CLOSE = 1e-6
+"""Residuals are differenced to 1e-10, and the stiffness of the membrane over that of bending magnifies this by some 1e3."""
+
+
+def panel(
+    thickness: float = 2e-3, angle: float = 30.0, force: float = -20.0, E: float = 7e10, length: float = 0.5, tilt: float = 0.0
+) -> lm.System:
+    """A cantilever that bends far."""
+    ply = lm.Lamina(E1=2 * E, E2=0.1 * E, G12=0.05 * E, nu12=0.3, rho=1600)
+    system = lm.System()
+    layup = lm.Laminate(ply, angles=(angle, 0.0, 90.0, -angle), thickness=thickness)
+    plate = system.add(lm.Plate("plate", (length, 0.2), (3, 2), layup, rotation=(0.0, tilt, 0.0)))
+    tip = plate.marker("tip", length, 0.1)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PointForce("load", tip, (0.0, 0.0, force)))
+    return system
+
+
+def mechanism(torque: float = 2.0, thickness: float = 2e-3, length: float = 0.4, stiffness: float = 3.0) -> lm.System:
+    """A rigid hub on a bearing with a spring and a flexible blade; a torque begins at 20 ms. The bearing has multipliers."""
+    layup = lm.Laminate(lm.Isotropic(E=7e10, nu=0.3, rho=2700.0), thickness=thickness)
+    system = lm.System()
+    ground = system.add(lm.Ground())
+    hub = system.add(lm.RigidBody("hub", mass=0.5, inertia=(2e-3, 2e-3, 2e-3)))
+    place, turn = (0.05, 0.0, -0.025), (0.5 * np.pi, 0.0, 0.0)
+    blade = system.add(lm.Plate("blade", (length, 0.05), (2, 1), layup, position=place, rotation=turn, damping=2e-4))
+    tip = blade.marker("tip", length, 0.025)
+    pin = system.add(lm.RevoluteJoint("pin", ground.origin, hub.origin, axis=(0, 0, 1)))
+    system.add(lm.TorsionSpring("spring", pin, stiffness=stiffness, damping=0.01))
+    system.add(lm.FixedJoint("root", hub.marker("rim", 0.05, 0, 0), blade.edge("x-")))
+    system.add(lm.PointMoment("motor", hub.origin, (0, 0, torque), profile=lm.Step(at=0.02)))
+    system.add(lm.PointForce("push", tip, (0.0, torque, 0.3)))
+    return system
+
+
+def differences(values: Callable[..., Floats], at: Mapping[str, float], size: float = 1.0) -> Floats:
+    """Differences of fourth order, outputs by parameters."""
+    columns = []
+    for name, value in at.items():
+        h = SPAN * (abs(value) or size)
+        f = {k: values(**{**at, name: value + k * h}) for k in (-2, -1, 1, 2)}
+        columns.append((8.0 * (f[1] - f[-1]) - (f[2] - f[-2])) / (12.0 * h))
+    return np.array(columns).T
+
+
+def test_static_and_modal_outputs() -> None:
+    signal = lm.SignalOutput
+    outputs = {
+        "z": signal("tip.position", component="z", analysis="still"),
+        "away": signal("tip.position", component="norm", analysis="still"),
+        "torque": signal("root.torque", component="y", analysis="still"),
+        "energy": signal("energy.strain", analysis="still"),
+        "mass": lm.MassOutput(),
+        "first": lm.ShapeOutput(1, analysis="free"),
+        "loaded": lm.ShapeOutput(2, analysis="bent"),
+    }
+    analyses = (
+        lm.Statics("still", newton=TIGHT),
+        lm.NaturalModes("free", count=1),
+        lm.NaturalModes("bent", count=2, about="still"),
+    )
+    at = {"thickness": 2e-3, "angle": 30.0, "force": -20.0, "E": 7e10, "length": 0.5, "tilt": 0.0}
+    found = lm.gradient(panel, at, outputs, analyses=analyses)
+
+    def values(**parameters: float) -> Floats:
+        system = panel(**parameters)
+        still = lm.equilibrium(system, newton=TIGHT)
+        first, loaded = lm.modes(system, 1), lm.modes(system, 2, state=still.final)
+        z = still["tip.position"].values
+        mass = 1600 * parameters["length"] * 0.2 * parameters["thickness"]
+        torque, energy = still["root.torque"].values[1], float(still["energy.strain"])
+        return np.array([z[2], np.linalg.norm(z), torque, energy, mass, first.frequencies[0], loaded.frequencies[1]])
+
+    expected, base = differences(values, at), values(**at)
+    np.testing.assert_allclose(list(found.values.values()), base, rtol=1e-9)
+    scale = np.abs(base)[:, None] / np.array([abs(value) or 1.0 for value in at.values()])  # of a change by the whole value
+    np.testing.assert_array_less(np.abs(found.matrix - expected) / scale, CLOSE)
+    assert np.abs(expected[0] / scale[0]).min() > 1e-2  # the deflection depends on all of them
+
+
+def test_motion_of_a_mechanism() -> None:
+    method = lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.8, newton=lm.Newton(tolerance=1e-12, keep=0.0, max_iterations=50))
+    outputs = {
+        "y": lm.SignalOutput("tip.position", component="y"),
+        "z": lm.SignalOutput("tip.position", component="z", statistic="rms"),
+        "angle": lm.SignalOutput("pin.angle", statistic="max"),
+        "root": lm.SignalOutput("root.torque", component="z", statistic="mean", start=0.01, end=0.04),
+        "spin": lm.SignalOutput("hub.angular_velocity", component="z", statistic="std"),
+    }
+    at = {"torque": 2.0, "thickness": 2e-3, "length": 0.4, "stiffness": 3.0}
+    found = lm.gradient(mechanism, at, outputs, analyses=(lm.Motion("swing", t_end=0.05, integrator=method),))
+
+    def values(**parameters: float) -> Floats:
+        run = lm.simulate(mechanism(**parameters), 0.05, method)
+        return np.array([output.value(run) for output in outputs.values()])
+
+    expected, base = differences(values, at), values(**at)
+    np.testing.assert_allclose(list(found.values.values()), base, rtol=1e-9)
+    scale = np.abs(base)[:, None] / np.array(list(at.values()))
+    np.testing.assert_array_less(np.abs(found.matrix - expected) / scale, CLOSE)
+    assert np.abs(expected[0] / scale[0]).min() > 1e-3
+
+
+def heated(k: float = 5.0, damping: float = 2e-3) -> lm.System:
+    """A panel that the sun bends: temperatures are coordinates, and the matrix is unsymmetric."""
+    sheet = lm.Isotropic(E=7e10, nu=0.3, rho=2700.0, alpha=2.3e-5, k=k, c=900.0)
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.2), (2, 1), lm.Laminate(sheet, thickness=2e-3), damping=damping))
+    plate.marker("tip", 1.0, 0.1)
+    system.add(lm.Clamp("root", plate.edge("x-"), kind="restrained"))
+    system.add(lm.TemperatureField("heat", plate))
+    system.add(lm.SolarFlux("sun", plate, direction=(0.6, 0.0, -0.8), absorptivity=0.8, constant=1361.0))
+    return system
+
+
+def test_motion_with_heat() -> None:
+    method = lm.GeneralizedAlpha(dt=2e-2, rho_inf=0.8, newton=lm.Newton(tolerance=1e-12, keep=0.0, max_iterations=50))
+    outputs = {"z": lm.SignalOutput("tip.position", component="z"), "T_M": lm.SignalOutput("tip.T_M", statistic="mean")}
+    at = {"k": 5.0, "damping": 2e-3}
+    found = lm.gradient(heated, at, outputs, analyses=(lm.Motion("swing", t_end=0.6, integrator=method),))
+
+    def values(**parameters: float) -> Floats:
+        run = lm.simulate(heated(**parameters), 0.6, method)
+        return np.array([output.value(run) for output in outputs.values()])
+
+    expected, base = differences(values, at), values(**at)
+    np.testing.assert_array_less(np.abs(found.matrix - expected) * np.array(list(at.values())) / np.abs(base)[:, None], CLOSE)
+    assert np.abs(expected[:, 0] * 5.0 / base).min() > 1e-2
+
+
+def square(thickness: float) -> lm.System:
+    """A square plate whose second and third frequency are equal."""
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 1.0), (2, 2), lm.Laminate(lm.Isotropic(7e10, 0.3, 2700.0), thickness=thickness)))
+    for edge in ("x-", "x+", "y-", "y+"):
+        system.add(lm.EdgeSupport(f"support {edge}", plate.edge(edge)))
+    return system
+
+
+@pytest.mark.parametrize(
+    ("output", "said"),
+    [
+        (lm.ShapeOutput(2), "is repeated"),
+        (lm.ShapeOutput(4), "computes 3"),
+        (lm.SignalOutput("tip.position", component="z"), "analyses with signals are none"),
+    ],
+)
+def test_outputs_without_a_derivative_are_refused(output: lm.ShapeOutput | lm.SignalOutput, said: str) -> None:
+    with pytest.raises(DeclarationError, match=said):
+        lm.gradient(square, {"thickness": 1e-2}, {"f": output}, analyses=(lm.NaturalModes("free", count=3),))
+
+
+def test_what_is_not_differentiated_is_refused() -> None:
+    tip = {"z": lm.SignalOutput("tip.position", component="z")}
+    still = (lm.Statics("still"),)
+    for output, said in (
+        (lm.SignalOutput("work.loads"), "sums over the steps"),
+        (lm.SignalOutput("tip.position", component="z", statistic="max"), "over load steps"),
+        (lm.SignalOutput("top.position", component="z"), "did you mean"),
+    ):
+        with pytest.raises(DeclarationError, match=said):
+            lm.gradient(panel, {"force": -20.0}, {"x": output}, analyses=still)
+    with pytest.raises(DeclarationError, match="generalized_alpha"):
+        lm.gradient(panel, {"force": -20.0}, tip, analyses=(lm.Motion("swing", 0.1, lm.BDF(1e-3)),))
+    with pytest.raises(DeclarationError, match="moves a time at which a load"):
+        lm.gradient(_late, {"late": 0.02}, tip, analyses=(lm.Motion("swing", 0.1, lm.GeneralizedAlpha(1e-3)),))
+    with pytest.raises(DeclarationError, match="number of unknowns"):
+        lm.gradient(_meshed, {"elements": 2.0}, tip, analyses=still, sizes={"elements": 1e5})
+
+
+def _late(late: float) -> lm.System:
+    system = panel()
+    plate = system.declarations[0]
+    system.add(lm.PointForce("kick", plate.marker("middle", 0.2, 0.1), (0, 0, 1.0), profile=lm.Step(at=late)))  # type: ignore[attr-defined]
+    return system
+
+
+def _meshed(elements: float) -> lm.System:
+    system = lm.System()
+    layup = lm.Laminate(lm.Isotropic(7e10, 0.3, 2700.0), thickness=2e-3)
+    plate = system.add(lm.Plate("plate", (0.5, 0.2), (round(elements), 1), layup))
+    plate.marker("tip", 0.5, 0.1)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    return system
