@@ -152,12 +152,13 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, preferred: Collection[int] = 
     order: dict[int, int] = {}
     resolved: dict[int, Expression] = {}
     kept: list[int] = []
+    first = frozenset(preferred)
     for number, row in enumerate(rows):
         terms = _substitute(row, solved, order, resolved)
         if not terms:
             continue
         kept.append(number)
-        pivot = max(terms, key=lambda c: (c in preferred, abs(terms[c])))
+        pivot = max(terms, key=lambda c: (c in first, abs(terms[c])))
         lead = terms.pop(pivot)
         order[pivot] = len(order)
         solved[pivot] = {c: -x / lead for c, x in terms.items()}

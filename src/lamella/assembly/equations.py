@@ -37,7 +37,7 @@ class Equations:
 
     def __init__(self, model: Model, symmetric: bool | None = None, like: Equations | None = None) -> None:
         self.model = model
-        self.elimination = eliminate(model.rows, model.n_q, () if like is None else frozenset(like.elimination.dependent.tolist()))
+        self.elimination = eliminate(model.rows, model.n_q, () if like is None else like.elimination.dependent.tolist())
         self.n_u = len(self.elimination.independent)
         self.magnitude = model.magnitude[self.elimination.independent]
         self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import kernel
@@ -99,7 +100,7 @@ class ScatterSum:
         self._starts = np.searchsorted(part[begins], np.arange(1, len(parts) + 1))
         self._targets: Indices = targets[order].astype(np.int32)
         self._table, codes = np.unique(factors[order].astype(float), return_inverse=True)
-        self._codes = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
+        self._codes: NDArray[np.integer] = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
 
     def add(self, x: Floats, used: Bools, out: Floats) -> None:
         """Add the parts in use, (n_part,), to ``out``."""
@@ -108,7 +109,7 @@ class ScatterSum:
 
 @kernel
 def _add_parts(
-    starts: Ints, runs: Ints, targets: Indices, codes: Indices, table: Floats, x: Floats, used: Bools, out: Floats
+    starts: Ints, runs: Ints, targets: Indices, codes: NDArray[np.integer], table: Floats, x: Floats, used: Bools, out: Floats
 ) -> None:
     for part in range(len(used)):
         if used[part]:

@@ -19,6 +19,9 @@ from lamella.roles import Floats
 from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.state import State
 
+CHANGING = ("q", "v", "a", "lam", "reaction")
+"""What a state consists of beside time and load factor."""
+
 
 class SignalDerivatives:
     """Some signals along a solution, with their derivatives by each parameter.
@@ -77,31 +80,30 @@ class SignalDerivatives:
         if self._reactions is not None:
             return equations.state(point)
         q, v, a = equations.coordinates(point), equations.velocities(point), equations.accelerations(point)
-        none = np.zeros(len(equations.elimination.rows))
-        return State(point.t, q, v, a, equations.constraints.full(point.lam), none, point.factor)
+        return State(point.t, q, v, a, equations.constraints.full(point.lam), np.zeros_like(q), point.factor)
 
     def _change(self, state: State, known: PointDerivative) -> State:
         """Derivative of the state, with the unknowns' part of it alone."""
         expand, full = self.equations.expand, self.equations.constraints.full
         change = replace(state, q=expand(known.u), v=expand(known.ud), a=expand(known.udd), lam=full(known.lam))
         held = self._reactions
-        return replace(change, mu=np.zeros_like(state.mu) if held is None else held.change(change, known.lam))
+        return replace(change, reaction=np.zeros_like(state.q) if held is None else held.change(change, known.lam))
 
     def _along(self, each: Neighbours, state: State, change: State) -> tuple[list[State], list[float]]:
         """States along a change, of a small share of the bodies' size, and their weights in a derivative."""
         share, rule = each.rule
         moved = np.abs(change.q / self._size).max()
-        fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.mu))
+        fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.reaction))
         step = share / moved if moved > 0.0 else 1.0 / fastest if fastest > 0.0 else 1.0
         states = []
         for place, _ in rule:
-            parts = {name: getattr(state, name) + place * step * getattr(change, name) for name in ("q", "v", "a", "lam", "mu")}
+            parts = {name: getattr(state, name) + place * step * getattr(change, name) for name in CHANGING}
             states.append(replace(state, **parts))
         return states, [weight / step for _, weight in rule]
 
 
 class Reactions:
-    """How the forces of eliminated constraints follow a change of the state, by the matrices in all coordinates.
+    """How the reaction of eliminated constraints follows a change of the state, by the matrices in all coordinates.
 
     Args:
         equations: of the model.
@@ -119,14 +121,14 @@ class Reactions:
         self._D = self._matrix(RATES, state) if self.equations.depends_on_velocity else None
 
     def change(self, change: State, dlam: Floats) -> Floats:
-        """Change of the forces of rows."""
+        """Change of the generalised reaction."""
         equations, total = self.equations, self._K @ change.q
         if self._D is not None:
             total += self._D @ change.v
         if not self._point.at_rest:
             total += equations.momentum(change.a)
         equations.constraints.add_force(self._point.t, self._q, dlam, total)
-        return equations.elimination.row_forces(total)
+        return total
 
     def _matrix(self, weights: Weights, state: State) -> sparse.csr_array:
         equations = self.equations

@@ -18,7 +18,7 @@ class Fmi2Unit(Fmi2Slave):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.plant = Plant(self.resources)
+        self.plant = Plant(str(self.resources))
         interface = self.plant.interface
         self.modelName, self.description = interface.name, interface.description
         self._t_start = interface.t_start

@@ -17,7 +17,7 @@ class Fmi3Unit(Fmi3Slave):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.plant = Plant(self.resources)
+        self.plant = Plant(str(self.resources))
         interface = self.plant.interface
         self.modelName, self.description = interface.name, interface.description
         self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)

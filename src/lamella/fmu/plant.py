@@ -19,7 +19,7 @@ from lamella.stepping.run import Stepping
 
 MODEL, INTERFACE, START = "model.yaml", "interface.json", "start.npz"
 """Files in the resources."""
-ARRAYS = ("q", "v", "a", "lam", "mu")
+ARRAYS = ("q", "v", "a", "lam", "reaction")
 
 
 @dataclass(frozen=True)
@@ -143,8 +143,8 @@ def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
 def read_interface(folder: Path) -> Interface:
     """The interface among the resources."""
     data = json.loads((folder / INTERFACE).read_text(encoding="utf-8"))
-    variables = {key: tuple(Variable(**item) for item in data.pop(key)) for key in ("inputs", "outputs")}
-    return Interface(**data, **variables)
+    inputs, outputs = (tuple(Variable(**item) for item in data.pop(key)) for key in ("inputs", "outputs"))
+    return Interface(**data, inputs=inputs, outputs=outputs)
 
 
 def write_resources(folder: Path, interface: Interface, model: str, state: State | None, imperfection: object) -> Sequence[Path]:

@@ -39,8 +39,8 @@ STRAIN_MODELS: dict[str, StrainModel] = {
 }
 """Strain models by the name a plate declares; all take the same arguments."""
 
-HeatedBlocks = tuple[ForceBlock, ForceBlock]
-"""The block that takes the place of an elastic one, and one that is added to it."""
+HeatedBlocks = tuple[ForceBlock, ...]
+"""The block that takes the place of an elastic one, and what is added to it."""
 
 
 def _heated_exact(block: ForceBlock, elements: HeatedElements) -> HeatedBlocks:
