@@ -93,6 +93,9 @@ if TYPE_CHECKING:
     from lamella.motion import simulate as simulate
     from lamella.result import Outcome as Outcome
     from lamella.result import Result as Result
+    from lamella.sensor.edge import EdgeCrossing as EdgeCrossing
+    from lamella.sensor.edge import EdgeTension as EdgeTension
+    from lamella.sensor.mean import MeanPosition as MeanPosition
     from lamella.solve.arc_length import ArcLength as ArcLength
     from lamella.solve.displacement_control import DisplacementControl as DisplacementControl
     from lamella.solve.newton import Newton as Newton
@@ -198,6 +201,8 @@ _HOME = {
     "modal": ("Modes", "modes"),
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),
+    "sensor.edge": ("EdgeCrossing", "EdgeTension"),
+    "sensor.mean": ("MeanPosition",),
     "solve.arc_length": ("ArcLength",),
     "solve.displacement_control": ("DisplacementControl",),
     "solve.newton": ("Newton",),
