@@ -19,7 +19,7 @@ from lamella.errors import DeclarationError
 from lamella.kinematics import VectorRows, vectors_of
 from lamella.math.gauss import gauss_rule
 from lamella.math.rotation import matrix_from_vector
-from lamella.roles import Declaration, Floats
+from lamella.roles import Declaration, Floats, Ints
 from lamella.units import Number
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class EdgeCrossing(Declaration):
         if mesh.loops[slope == "r_y"]:
             nodes = np.append(nodes, nodes[0])
         r, r_s = (np.array([mesh.vector(int(node), name) for node in nodes]) for name in ("r", slope))
-        s = length * np.arange(len(nodes))
+        s = np.asarray(length * np.arange(len(nodes)), float)
         axes = matrix_from_vector(np.asarray(self.at.body.rotation)) if isinstance(self.at.body, RigidBody) else np.eye(3)
         frame = self.at.frame(build, axes)
         normal = frame.x * self.normal[0] + frame.y * self.normal[1] + frame.z * self.normal[2]
@@ -118,7 +118,7 @@ class EdgeTension(Declaration):
         build.signals.append(Signal(f"{self.name}.mean", "N/m", (), mean, f"membrane force along edge {self.on}, averaged"))
 
 
-def nearest_crossing(s: Floats, vectors: Floats, r: Floats, r_s: Floats, origin: VectorRows, normal: VectorRows) -> Floats:
+def nearest_crossing(s: Floats, vectors: Floats, r: Ints, r_s: Ints, origin: VectorRows, normal: VectorRows) -> Floats:
     """Point of a curve of cubics in a plane through ``origin``, nearest to it; NaN where there is none.
 
     Args:
