@@ -32,7 +32,7 @@ LAYERS = [
     {"material"},
     {"element", "constraint", "measure", "surface"},
     {"body"},
-    {"joint", "load", "contact", "thermal"},
+    {"joint", "load", "contact", "thermal", "sensor"},
     {"model"},
     {"assembly", "signals"},
     {"solve"},

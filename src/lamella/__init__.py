@@ -103,6 +103,9 @@ if TYPE_CHECKING:
     from lamella.optimisation.run import run_optimisation as run_optimisation
     from lamella.result import Outcome as Outcome
     from lamella.result import Result as Result
+    from lamella.sensor.edge import EdgeCrossing as EdgeCrossing
+    from lamella.sensor.edge import EdgeTension as EdgeTension
+    from lamella.sensor.mean import MeanPosition as MeanPosition
     from lamella.solve.arc_length import ArcLength as ArcLength
     from lamella.solve.displacement_control import DisplacementControl as DisplacementControl
     from lamella.solve.newton import Newton as Newton
@@ -216,6 +219,8 @@ _HOME = {
     "optimisation.run": ("run_optimisation",),
     "result": ("Outcome", "Result"),
     "motion": ("simulate",),
+    "sensor.edge": ("EdgeCrossing", "EdgeTension"),
+    "sensor.mean": ("MeanPosition",),
     "solve.arc_length": ("ArcLength",),
     "solve.displacement_control": ("DisplacementControl",),
     "solve.newton": ("Newton",),

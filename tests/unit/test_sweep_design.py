@@ -162,11 +162,21 @@ def study(parameters, design) -> ParameterStudy:
         ("mean", 1.0),
         ("rms", np.sqrt(4 / 3)),
         ("std", np.sqrt(1 / 3)),
+        ("slope", 1.0),
     ],
 )
 def test_statistics_weigh_by_time(name, wanted) -> None:
     t = 2.0 * np.linspace(0.0, 1.0, 2001) ** 2
     assert STATISTICS[name](t, t) == pytest.approx(wanted, abs=0.0 if name in ("last", "max", "min", "largest") else 2e-6)
+
+
+def test_a_slope_is_that_of_least_squares() -> None:
+    """Of 3 t^2 on [0, 2] 6, wherever the samples lie; NumPy's on equal steps but for the ends, which weigh half here."""
+    t = 2.0 * np.linspace(0.0, 1.0, 2001) ** 2
+    assert STATISTICS["slope"](t, 3.0 * t**2) == pytest.approx(6.0, rel=2e-6)
+    t = np.linspace(1.0, 3.0, 2001)
+    z = np.sin(5.0 * t)
+    assert STATISTICS["slope"](t, z) == pytest.approx(np.polyfit(t, z, 1)[0], abs=5e-3)
 
 
 def ishigami(x: np.ndarray) -> np.ndarray:

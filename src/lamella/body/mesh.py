@@ -176,6 +176,16 @@ class PlateMesh:
         """Positions, normals and strains on a structured grid in the configuration ``q`` (n_q,)."""
         xi = np.linspace(0.0, self.nx, self.nx * per_element + 1)
         eta = np.linspace(0.0, self.ny, self.ny * per_element + 1)
+        return self.sample_at(q, xi, eta)
+
+    def sample_at(self, q: Floats, xi: Floats, eta: Floats) -> PlateSample:
+        """The same at the points of a grid of one's own.
+
+        Args:
+            q: all coordinates, shape (n_q,).
+            xi: places along x, counted in elements from 0 to nx.
+            eta: places along y, counted in elements from 0 to ny.
+        """
         i, j = np.minimum(xi.astype(int), self.nx - 1), np.minimum(eta.astype(int), self.ny - 1)
         index = (j[:, None] * self.nx + i[None, :]).reshape(-1)
         points_xi = np.broadcast_to(xi - i, (len(eta), len(xi))).reshape(-1)

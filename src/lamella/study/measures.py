@@ -24,6 +24,15 @@ def time_average(t: Floats, z: Floats) -> float:
     return float(np.trapezoid(z, t) / (t[-1] - t[0]))
 
 
+def least_squares_slope(t: Floats, z: Floats) -> float:
+    """Slope a of the line a t + b of least int (z - a t - b)^2 dt, by the trapezoidal rule; steps may differ [unit of z / of t].
+
+    A jump, which has two samples at one time, counts on both sides.
+    """
+    lever = t - time_average(t, t)
+    return float(np.trapezoid(lever * z, t) / np.trapezoid(lever**2, t))
+
+
 def crossings(t: Floats, z: Floats, level: float) -> Floats:
     """Times at which z passes a level, by linear interpolation between samples [unit of t], ascending."""
     k = np.flatnonzero((z[:-1] - level) * (z[1:] - level) < 0)

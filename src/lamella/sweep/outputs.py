@@ -22,10 +22,10 @@ from lamella.model import Model
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.shapes import Shapes
-from lamella.study.measures import time_average
+from lamella.study.measures import least_squares_slope, time_average
 from lamella.units import Time
 
-Statistic = Literal["last", "max", "min", "largest", "mean", "rms", "std"]
+Statistic = Literal["last", "max", "min", "largest", "mean", "rms", "std", "slope"]
 NORM = "norm"
 
 
@@ -84,8 +84,8 @@ class SignalOutput(StudyOutput):
 
     Args:
         signal: such as ``tip.position`` or ``root.force``.
-        statistic: ``last`` value, ``max``, ``min``, ``largest`` magnitude, ``mean``, ``rms`` or ``std``; the last three are
-            averages over time by the trapezoidal rule.
+        statistic: ``last`` value, ``max``, ``min``, ``largest`` magnitude, ``mean``, ``rms`` or ``std``, which are averages
+            over time by the trapezoidal rule, or ``slope``, that of the straight line of least squares [unit/s].
         component: of a vector, such as ``z``, or ``norm`` for its length.
         start: from this time [s] or load factor on; from the beginning when left out.
         end: up to this time [s] or load factor; to the end when left out.
@@ -130,7 +130,9 @@ class SignalOutput(StudyOutput):
                 f"{'start' if self.start is not None else 'end'}: the window from {start:g} to {end:g} {unit}".rstrip(),
                 f"analysis '{analysis.name}' goes from {first:g} to {last:g} {unit}".rstrip(),
             )
-        return found.unit
+        if self.statistic == "slope" and analysis.axis == "path":
+            raise DeclarationError("output", "statistic: a slope over the points of a path", "accepted are the other statistics")
+        return f"{found.unit}/s" if self.statistic == "slope" and analysis.axis == "time" else found.unit
 
     def value(self, computed: Computed) -> float:
         assert isinstance(computed, Result)
@@ -247,6 +249,7 @@ STATISTICS: dict[str, Callable[[Floats, Floats], float]] = {
     "mean": time_average,
     "rms": lambda at, z: np.sqrt(time_average(at, z**2)),
     "std": lambda at, z: np.sqrt(time_average(at, (z - time_average(at, z)) ** 2)),
+    "slope": least_squares_slope,
 }
 
 
