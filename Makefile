@@ -27,7 +27,7 @@ demo: $(VENV)/.ready-viz  ## run the example EXAMPLE=cantilever-plate into resul
 	@find results/$(EXAMPLE) -type f | sort | sed 's/^/  /'
 
 test: $(VENV)/.ready-viz+test  ## run the tests
-	@$(BIN)/python -m pytest -n $(WORKERS)
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
 lint: $(VENV)/.ready-lint+test  ## style, formatting, types and the architecture
 	$(BIN)/ruff check $(PRESENT)

@@ -96,7 +96,7 @@ class ScatterSum:
         by_layer = np.lexsort((sources, np.arange(len(sources)) - first, part))
         order, sources, part = order[by_layer], sources[by_layer], part[by_layer]
         begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
-        self._runs = np.column_stack([begins, np.append(begins[1:], len(sources)), sources[begins] - begins])
+        self._runs = np.column_stack([begins, np.append(begins, len(sources))[1:], sources[begins] - begins])
         self._starts = np.searchsorted(part[begins], np.arange(1, len(parts) + 1))
         self._targets: Indices = targets[order].astype(np.int32)
         self._table, codes = np.unique(factors[order].astype(float), return_inverse=True)

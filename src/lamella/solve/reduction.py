@@ -22,6 +22,8 @@ def _lookup(rows: Ints, cols: Ints, numbers: Ints, n: int) -> Lookup:
     keys, numbers = keys[order], numbers[order]
 
     def find(row: Ints, col: Ints) -> Ints:
+        if not len(keys):
+            return np.full(row.shape, -1)
         at = np.minimum(np.searchsorted(keys, row * n + col), len(keys) - 1)
         return np.where(keys[at] == row * n + col, numbers[at], -1)
 

@@ -286,7 +286,8 @@ def _keep_flat(axis: Axes, values: Floats, span: float, smallest: float) -> None
     """Do not blow rounding errors up to the height of the axes."""
     if span < smallest:
         middle = 0.5 * float(np.nanmin(values) + np.nanmax(values))
-        axis.set_ylim(middle - smallest, middle + smallest)
+        half = max(smallest, 1e-9 * abs(middle))
+        axis.set_ylim(middle - half, middle + half)
 
 
 def _short(result: Result, name: str) -> str:
