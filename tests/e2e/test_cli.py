@@ -245,8 +245,7 @@ def test_system_without_plates_leaves_a_report_with_reactions(here, tmp_path: Pa
     with (out / "signals.csv").open() as file:
         heading = next(csv.reader(file))
     assert {"pin.force_local.x [N]", "bob.rotation.zz [1]", "pin.angle [rad]"} <= set(heading)
-    for form in ("png", "gif", "html", "vtkhdf"):
-        assert here("export", "out", "--to", form).returncode == 0
+    assert here("export", "out", "--to", "vtkhdf").returncode == 0
     bare = ["--set", "system.bob.shape=null", "--set", "system.bob.mass=1", "--set", "system.bob.inertia=[0.1, 0.1, 0.1]"]
     done = here("run", "pendulum.yaml", "--out", "bare", *bare, "--set", "system.bob.density=null")
     assert done.returncode == 0, done.stderr  # nothing to draw, and a report all the same

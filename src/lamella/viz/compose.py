@@ -155,8 +155,13 @@ def _palette(pictures: Sequence[Picture]) -> Image:
     from PIL import Image
 
     shown = np.linspace(0, len(pictures) - 1, min(len(pictures), SAMPLED)).round().astype(int)
-    colours, counts = np.unique(np.concatenate([pictures[k].reshape(-1, 3) for k in shown]) >> 2, axis=0, return_counts=True)
-    weighted = np.repeat((colours << 2) + 2, np.minimum(np.sqrt(counts).astype(int), 60), axis=0).astype(np.uint8)
+    areas = np.zeros(1 << 18, np.int64)  # of each colour in six bits a channel
+    for k in shown:
+        red, green, blue = np.moveaxis(pictures[k] >> 2, -1, 0).astype(np.int32)
+        areas += np.bincount((red << 12 | green << 6 | blue).reshape(-1), minlength=len(areas))
+    present = np.flatnonzero(areas)
+    colours = np.column_stack([present >> 12, present >> 6 & 63, present & 63])
+    weighted = np.repeat((colours << 2) + 2, np.minimum(np.sqrt(areas[present]).astype(int), 60), axis=0).astype(np.uint8)
     found = Image.fromarray(weighted[None]).quantize(255, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     entries = np.array(found.getpalette()[: 3 * 255]).reshape(-1, 3)  # type: ignore[index]  # the mode is P
     entries[entries.min(axis=1) > NEARLY_WHITE] = 255  # the white of the page
