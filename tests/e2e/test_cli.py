@@ -34,7 +34,12 @@ title: Pendulum
 redundant: drop
 system:
   ground: {type: ground}
-  bob: {type: rigid_body, shape: {kind: box, size: [0.2, 0.2, 0.2]}, density: 1000, position: [0.5, 0, 0], markers: {eye: [-0.5, 0, 0]}}
+  bob:
+    type: rigid_body
+    shape: {kind: box, size: [0.2, 0.2, 0.2]}
+    density: 1000
+    position: [0.5, 0, 0]
+    markers: {eye: [-0.5, 0, 0]}
   arm: {type: rigid_body, mass: 1, inertia: [0.1, 0.1, 0.1], markers: {end: [0.5, 0, 0]}}
   pin: {type: revolute_joint, a: ground.origin, b: arm.origin, axis: [0, 1, 0]}
   weld: {type: fixed_joint, a: arm.end, b: bob.origin}

@@ -106,6 +106,7 @@ def test_cantilever_plate_in_short(run, tmp_path: Path) -> None:
     assert all(finding["finding"].split("'")[0] in (out / "report.html").read_text("utf-8") for finding in findings)
 
 
+@pytest.mark.slow
 def test_corner_pinned_plate_in_short(run, tmp_path: Path) -> None:
     findings = run("corner-pinned-plate", "--set", "analysis.swing.t_end=20 ms", "--no-pictures", *BRIEF)
     check_shape(findings)
@@ -126,6 +127,7 @@ def test_corner_pinned_plate_in_short(run, tmp_path: Path) -> None:
     assert not list(out.rglob("*.png")) + list(out.rglob("*.html"))
 
 
+@pytest.mark.slow
 def test_thermal_flutter_in_short(run, tmp_path: Path) -> None:
     """On a coarse mesh, for three periods and a bit, of which the last bit is evaluated: what needs no accuracy."""
     coarse = ("system.panel.mesh=[3, 1]", "analysis.flight.t_end=24 s", "analysis.flight.integrator.dt=0.25 s")
@@ -486,6 +488,7 @@ def test_belt_drive_whole(run, tmp_path: Path) -> None:
     assert {path.stem for path in (tmp_path / "out" / "pictures").iterdir()} == {"loop", "drive", "history", "belt", "motion"}
 
 
+@pytest.mark.slow
 def test_an_attitude_is_held_at_sunrise(run, tmp_path: Path) -> None:
     """Up to 26 s, before the slew: the torque ahead takes most of the push of the bending panel away."""
     findings = run(

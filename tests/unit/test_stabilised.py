@@ -46,8 +46,9 @@ def spinning_top():
     return system
 
 
-SYSTEMS = {"double pendulum": double_pendulum, "spinning top": spinning_top}
-every_system = pytest.mark.parametrize("make", SYSTEMS.values(), ids=SYSTEMS.keys())
+every_system = pytest.mark.parametrize(
+    "make", [double_pendulum, pytest.param(spinning_top, marks=pytest.mark.slow)], ids=["double pendulum", "spinning top"]
+)
 
 
 def walk(system, steps, dt, start=None, **options):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamella.examples.web_guide.curves import angle, edge, even, tension
 from lamella.result import Result
 from lamella.roles import Floats
 
@@ -50,7 +51,6 @@ def show_all(study: Study, runs: Runs, models: Models) -> None:
 
 def step_figure(runs: Runs, models: Models) -> Figure:
     """The step response beside the linear models."""
-    from lamella.examples.web_guide.study import edge, even
     from lamella.viz.style import COLOURS, new_figure, styled
 
     with styled():
@@ -69,7 +69,7 @@ def step_figure(runs: Runs, models: Models) -> Figure:
 
 def course_figure(run: Result, model: tuple[Floats, Floats], runs: Runs, models: Models, *, misaligned: bool) -> Figure:
     """Edge, steering angle and tensions over time, with the controller, without, and of the linear model."""
-    from lamella.examples.web_guide.study import AFTER, SHIFT, angle, edge, even, tension
+    from lamella.examples.web_guide.study import AFTER, SHIFT
     from lamella.viz.style import COLOURS, new_figure, styled
 
     with styled():

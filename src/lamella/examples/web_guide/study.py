@@ -10,6 +10,7 @@ import numpy as np
 from lamella.errors import DeclarationError
 from lamella.examples.swing import Numbers, rounded
 from lamella.examples.web_guide import drawing
+from lamella.examples.web_guide.curves import PERIOD, angle, apart, at, difference, drift, edge, even
 from lamella.examples.web_guide.theory import Design, Web, answer, closed_loop, designed, fitted, with_share
 from lamella.io.analysis import Motion
 from lamella.load.control_law import PID
@@ -19,15 +20,13 @@ from lamella.motion import simulate
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.study.findings import Finding
-from lamella.study.measures import component, least_squares_slope, time_average
+from lamella.study.measures import component, time_average
 from lamella.study.study import Study
 
 RADIUS = 0.1
 """Of the belt's middle on the rollers [m]."""
 SERVO = 0.025
 """Damping over stiffness of the servo [s]."""
-PERIOD = 0.01
-"""Of the controller [s]."""
 MARGIN, CORNER = np.radians(50.0), 5.0
 """Phase margin, and crossover over the frequency at which the integral takes over."""
 LIMIT = 0.05
@@ -176,50 +175,6 @@ def misaligned(t: Floats, begin: float) -> Floats:
     """Misalignment of roller 1 as the model file has it [rad]."""
     course = SmoothStep(begin + AFTER, t_end=begin + 2.0 * AFTER, end=SKEW)
     return np.array([course.value(float(now)) for now in t])
-
-
-def even(run: Result) -> Floats:
-    """Times of which every second is a sample time of the controller, over a run [s]."""
-    return run.at[0] + 0.5 * PERIOD * np.arange(round(float(run.at[-1] - run.at[0]) / (0.5 * PERIOD)) + 1)
-
-
-def at(grid: Floats, t: Floats, z: Floats) -> Floats:
-    """A curve at other times."""
-    return np.interp(grid, t, z)
-
-
-def edge(run: Result) -> tuple[Floats, Floats]:
-    """Times and place of the edge under the sensor [m]."""
-    return component(run, "eye.position", "z")
-
-
-def angle(run: Result) -> Floats:
-    """Steering angle [rad]."""
-    return np.asarray(run.history("pivot2.angle").values, float)
-
-
-def tension(run: Result, end: str) -> Floats:
-    """Membrane force along the edge of an end, mean around the loop [N/m]."""
-    return np.asarray(run.history(f"edge_{end}.mean").values, float)
-
-
-def drift(run: Result, since: float) -> float:
-    """Sideways speed of the belt as a whole from a time on [m/s]."""
-    t, z = component(run, "loop.position", "z")
-    late = t >= since
-    return least_squares_slope(t[late], z[late])
-
-
-def difference(run: Result, since: float) -> float:
-    """Tension of edge b less that of edge a over their mean, averaged from a time on."""
-    late = run.at >= since
-    a, b = (time_average(run.at[late], tension(run, end)[late]) for end in "ab")
-    return (b - a) / (0.5 * (a + b))
-
-
-def apart(run: Result, model: Floats) -> float:
-    """Root of the mean square of what run and model differ by [m]."""
-    return float(np.sqrt(np.mean((at(even(run), *edge(run)) - model) ** 2)))
 
 
 def steering(runs: Runs, models: Models) -> Finding:

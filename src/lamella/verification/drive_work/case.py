@@ -12,7 +12,7 @@ from lamella.roles import Floats
 from lamella.verification import Curves, Evidence, References
 from lamella.verification.mechanism import G
 
-slow = False
+slow = True
 
 SIZE, THICKNESS, RHO, CART = (0.3, 0.5), 2e-3, 2700.0, 4.0
 END = 0.4

@@ -11,7 +11,7 @@ from lamella.result import Result
 from lamella.roles import Floats
 from lamella.verification import Evidence, Orders, References
 
-slow = False
+slow = True
 
 END = 0.4
 STEPS = (100, 200, 800)

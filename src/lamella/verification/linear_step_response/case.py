@@ -12,7 +12,7 @@ from lamella.roles import Floats
 from lamella.state import State
 from lamella.verification import Curves, Evidence, References
 
-slow = False
+slow = True
 
 ALUMINIUM = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700.0), thickness=2e-3)
 LENGTH, WIDTH, PLATE_STEP, TIP_LOAD = 0.5, 0.2, 2e-2, 20.0  # m, m, N, N

@@ -11,7 +11,7 @@ from lamella.roles import Floats
 from lamella.verification import Curves, Evidence, References
 from lamella.verification.mechanism import G, link, one_degree_of_freedom, solved
 
-slow = False
+slow = True
 
 CRANK, ROD = 0.2, 0.55  # lengths [m]
 MASSES = (1.2, 0.9, 1.5)  # crank, rod, slider [kg]

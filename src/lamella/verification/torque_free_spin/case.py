@@ -10,7 +10,7 @@ import lamella as lm
 from lamella.roles import Floats
 from lamella.verification import Curves, Evidence, References
 
-slow = False
+slow = True
 
 I = np.array((0.2, 0.3, 0.45))  # noqa: E741  # the field's symbol
 AMPLITUDES = (3.0, 1.7)  # of omega_1 and omega_3 where omega_2 is zero [rad/s]
