@@ -17,12 +17,18 @@ UNITS = {"drift": "m/s", "tilt": "1", "edge_a": "N/m", "edge_b": "N/m", "driven"
 
 
 def made_up(failed: int = 0) -> StudyResult:
-    """A machine whose drift goes with d + 0.1 d^3 of the force, with speed and root of friction, and by 0.1 mm/s for a mrad."""
+    """A machine whose drift goes with d + 0.1 d^3 of the force, with speed over root of friction, and by 0.1 mm/s for a mrad."""
     rows = []
     for number, row in enumerate(SOURCE.study.rows(), start=1):
         d = float(str(row["difference"]).split()[0]) / 1000.0
-        drift = 1e-4 * d * (1.0 + 0.1 * d**2) * row["speed"] * np.sqrt(row["friction"]) + 1e-4 * row["misalignment"]
-        values = {"drift": drift, "tilt": -3e-3 * d + 1e-3 * row["misalignment"], "edge_a": 6e3, "edge_b": 3e3, "driven": 10.0}
+        drift = 1e-4 * d * (1.0 + 0.1 * d**2) * row["speed"] / np.sqrt(row["friction"]) + 1e-4 * row["misalignment"]
+        values = {
+            "drift": drift,
+            "tilt": -3e-3 * d * (1.1 - row["friction"]) + 1e-3 * row["misalignment"],
+            "edge_a": 6e3,
+            "edge_b": 3e3,
+            "driven": 10.0,
+        }
         rows.append(Row(number, "failed", message="no") if number == failed else Row(number, "ok", values))
     return StudyResult(SOURCE.study, UNITS, rows)
 

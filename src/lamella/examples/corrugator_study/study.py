@@ -123,8 +123,8 @@ def frictions(result: StudyResult) -> Finding:
         "With more friction roller 2 tilts less and the belt drifts less.",
         bool(np.all(y > 0.0) and np.all(np.diff(y) < 0.0) and np.all(np.diff(tilts) > 0.0)),
         rounded(numbers),
-        "What was found, not what was expected: balance of a belt that slides would give the same tilt for all. Friction along the "
-        "rollers may carry a part of the difference of the forces.",
+        "What was found, not what was expected: balance of a belt that slides would give the same tilt for all. Friction along "
+        "the rollers may carry a part of the difference of the forces.",
     )
 
 
