@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamella.examples.attitude_control.control import reference
+from lamella.examples.attitude_control.control import PERIOD, reference
 from lamella.result import Result
 from lamella.roles import Floats
 from lamella.study.measures import component
@@ -51,10 +51,10 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
         "torque",
         "Torque of the wheel.",
     )
-    other = runs["bending unknown"]
-    apart = first.history("pilot.output").values - np.interp(first.at, other.at, other.history("pilot.output").values)
+    held = np.arange(0.5 * PERIOD, first.at[-1], PERIOD)  # in the middle of each sample, where the torques are constant
+    known, unknown = (np.interp(held, run.at, run.history("pilot.output").values) for run in (first, runs["bending unknown"]))
     study.show(
-        plot_curves({"known less unknown": (first.at, apart)}, "Time [s]", "Torque [N m]"),
+        plot_curves({"known less unknown": (held, known - unknown)}, "Time [s]", "Torque [N m]"),
         "torque-difference",
         "What the controller that knows of the bending asks for besides.",
     )
