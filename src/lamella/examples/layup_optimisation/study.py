@@ -55,7 +55,7 @@ def study(study: Study) -> Iterator[Finding]:
     study.files.extend(grid.files)
     if study.draw:
         caption = (
-            "Motion of the tip over both angles with the thickness found, the way of the search, and the limit of the frequency."
+            "Motion of the tip over the angle of the outer plies with the thickness found, the way of the search, and the best design."
         )
         study.show(angle_figure(found, grid), "search", caption)
     yield stays_still(found)
