@@ -54,9 +54,7 @@ def study(study: Study) -> Iterator[Finding]:
     grid = run_parameter_study(around, study.folder / "grid", pictures=study.draw, progress=study.progress, say=study.say)
     study.files.extend(grid.files)
     if study.draw:
-        caption = (
-            "Motion of the tip over the angle of the outer plies with the thickness found, the way of the search, and the best design."
-        )
+        caption = "Motion of the tip over the angle of the outer plies with the thickness found, and the way of the search."
         study.show(angle_figure(found, grid), "search", caption)
     yield stays_still(found)
     yield no_better(found, grid)
