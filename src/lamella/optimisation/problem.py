@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError, LamellaError, ModelFileError, UnitError
-from lamella.examples import find_model
 from lamella.io.document import Document, Place
-from lamella.io.reader import FAILED, Reader, suggestion
+from lamella.io.reader import suggestion
 from lamella.roles import Floats
+from lamella.sweep.file import read_declaration
 from lamella.sweep.outputs import StudyOutput
 from lamella.sweep.parameter import Bound, Parameter, quantity_of
 from lamella.units import to_si
@@ -221,24 +221,4 @@ def read_optimisation(path: str | Path) -> OptimisationFile:
     Raises:
         ModelFileError: it cannot be read, or does not describe an optimisation; all its problems are listed with their lines.
     """
-    document = Document.read(Path(path))
-    data: dict[str, Any] = document.data
-    for key, command in (("lamella", "run"), ("study", "study")):
-        if key in data and "optimize" not in data:
-            raise ModelFileError(
-                f"{document.name} is a {'model' if key == 'lamella' else key} file, for 'lamella {command} {document.name}'; "
-                "an optimisation file begins with 'optimize: 1'"
-            )
-    if "optimize" not in data:
-        document.problem((), "the line 'optimize: 1' is missing, which says that this is an optimisation file and its version")
-    problem = Reader(document, lambda *_: None).declared((Optimisation,), data, ())
-    document.check()
-    assert problem is not FAILED
-    beside = document.folder / problem.model
-    if beside.exists():
-        problem = replace(problem, model=str(beside))
-    try:
-        find_model(problem.model)
-    except LamellaError as error:
-        raise ModelFileError(f"{document.name}, {document.where(('model',))}: {error}") from error
-    return OptimisationFile(problem, document)
+    return OptimisationFile(*read_declaration(path, Optimisation, "optimize"))

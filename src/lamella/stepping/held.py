@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from lamella.math.profile import Constant
+from lamella.math.profile import Constant, Integral
 from lamella.memory import Memory
 
 
-class Held(Constant, Memory):
+class Held(Integral, Memory):
     """A value that stays as it is until it is set.
 
-    It stands in a declaration as the constant that it is between two steps.
+    It stands in a declaration as a profile that is no speed, since time alone does not tell the integral of what is set later.
 
     Args:
         start: the value at the start.
@@ -18,7 +18,7 @@ class Held(Constant, Memory):
     remembered = ("now",)
 
     def __init__(self, start: float) -> None:
-        super().__init__(start)
+        super().__init__(Constant(0.0), start)
         self.now = start
 
     def __eq__(self, other: object) -> bool:
@@ -37,10 +37,6 @@ class Held(Constant, Memory):
 
     def value(self, t: float) -> float:
         return self.now
-
-    def integral(self, t: float) -> float:
-        """A value that changes has no integral that could be told from the time alone."""
-        raise NotImplementedError("an input has no integral")
 
 
 class HeldAcceleration(Held):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -15,8 +15,8 @@ from lamella.errors import DeclarationError, LamellaError, ModelFileError
 from lamella.examples import Example, find_model
 from lamella.io.document import Document, Place
 from lamella.io.model_file import ModelFile, loads
-from lamella.io.reader import FAILED, Reader
 from lamella.sweep.designs import Design, Row, design_rows
+from lamella.sweep.file import read_declaration
 from lamella.sweep.outputs import StudyOutput, recorded
 from lamella.sweep.parameter import Parameter
 
@@ -171,25 +171,7 @@ def read_study(path: str | Path) -> StudyFile:
     Raises:
         ModelFileError: it cannot be read, or does not describe a study; all its problems are listed with their lines.
     """
-    document = Document.read(Path(path))
-    data: dict[str, Any] = document.data
-    if "lamella" in data and "study" not in data:
-        raise ModelFileError(
-            f"{document.name} is a model file; 'lamella run {document.name}' runs it, a study file begins with 'study: 1'"
-        )
-    if "study" not in data:
-        document.problem((), "the line 'study: 1' is missing, which says that this is a study file and its version")
-    study = Reader(document, lambda *_: None).declared((ParameterStudy,), data, ())
-    document.check()
-    assert study is not FAILED
-    beside = document.folder / study.model
-    if beside.exists():
-        study = replace(study, model=str(beside))
-    try:
-        find_model(study.model)
-    except LamellaError as error:
-        raise ModelFileError(f"{document.name}, {document.where(('model',))}: {error}") from error
-    return StudyFile(study, document)
+    return StudyFile(*read_declaration(path, ParameterStudy, "study"))
 
 
 def _accepted(error: DeclarationError) -> str:

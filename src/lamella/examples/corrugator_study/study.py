@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,10 +10,9 @@ import numpy as np
 
 from lamella.examples.corrugator_study import drawing
 from lamella.examples.swing import Numbers, rounded
+from lamella.examples.tables import run_study
 from lamella.roles import Floats
 from lamella.study.findings import Finding
-from lamella.sweep.run import run_parameter_study
-from lamella.sweep.study import read_study
 from lamella.sweep.table import StudyResult
 
 if TYPE_CHECKING:
@@ -28,13 +26,7 @@ THICKNESS = 4e-3
 
 def study(study: Study) -> Iterator[Finding]:
     """Run the parameter study, draw its outputs, and yield the findings."""
-    source = read_study(FILE)
-    chosen = replace(source.study, set=(*source.study.set, *study.overrides))
-    folder = study.folder / "table"
-    result = run_parameter_study(
-        replace(source, study=chosen), folder, pictures=study.draw, progress=study.progress, say=study.say
-    )
-    study.files.extend(result.files)
+    result = run_study(study, FILE, "table")
     if study.draw:
         drawing.show_all(study, result)
     yield forces(result)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lamella.examples.swing import Numbers, rounded
+from lamella.examples.tables import run_study
 from lamella.study.findings import Finding
-from lamella.sweep.run import run_parameter_study
-from lamella.sweep.study import read_study
 from lamella.sweep.table import StudyResult
 
 if TYPE_CHECKING:
@@ -25,13 +23,7 @@ RIGID = -8.570
 
 def study(study: Study) -> Iterator[Finding]:
     """Run the parameter study, draw its outputs, and yield the findings."""
-    source = read_study(FILE)
-    chosen = replace(source.study, set=(*source.study.set, *study.overrides))
-    folder = study.folder / "angles"
-    result = run_parameter_study(
-        replace(source, study=chosen), folder, pictures=study.draw, progress=study.progress, say=study.say
-    )
-    study.files.extend(result.files)
+    result = run_study(study, FILE, "angles")
     if study.draw:
         from lamella.sweep.drawing import line_figure
 
