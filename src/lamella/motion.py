@@ -96,10 +96,12 @@ def simulate(
         march = March(equations, integrator, recorder, statistics, t_end, linear, solver, every, stride)
         march.begin(point)
         statistics.seconds_compile = time.perf_counter() - began
-        outcome = _judged(replace(march.run(), start=start), equations, march.state, recorder)
+        ended = replace(march.run(), start=start)
+        final = march.whole()  # an interruption may come behind a step that is not recorded
+        outcome = _judged(ended, equations, final, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
-    result = Result(model, recorder, march.state, outcome, statistics)
+    result = Result(model, recorder, final, outcome, statistics)
     if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
         raise KeyboardInterrupt(str(outcome))
     if not outcome.completed and on_failure == "raise":
@@ -224,7 +226,7 @@ class March:
                 dt = trial * (0.5 if outcome.point is None else outcome.growth)
                 if dt < self.integrator.dt_min:
                     if self.recorder.at[-1] < self.t:
-                        self.recorder.sample(self.t, self._whole())
+                        self.recorder.sample(self.t, self.whole())
                     return self._given_up(trial, outcome)
                 continue
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
@@ -276,13 +278,13 @@ class March:
 
     def control(self) -> bool:
         """Let controllers act whose time it is; the state behind the jump of their loads is recorded as well."""
-        if not self.sampling.act(self.t, self._whole()):
+        if not self.sampling.act(self.t, self.whole()):
             return False
         self.restart()
         self.recorder.sample(self.t, self.state)
         return True
 
-    def _whole(self) -> State:
+    def whole(self) -> State:
         """The present state with what a step that is not recorded leaves out."""
         if self.point is not None and not len(self.state.reaction):
             self.state = self.equations.state(self.point)

@@ -7,6 +7,7 @@ import pytest
 
 import lamella as lm
 from lamella.errors import ConstraintError, DeclarationError
+from lamella.result import Cause
 
 SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
 AT = 0.0033
@@ -144,6 +145,23 @@ def test_unknown_signal_lists_those_recorded():
     result = lm.simulate(system, 2e-3, lm.GeneralizedAlpha(dt=1e-3))
     with pytest.raises(DeclarationError, match=r"no signal 'tipp.position'; recorded are tip.position"):
         result["tipp.position"]
+
+
+def test_a_run_interrupted_between_recorded_steps_ends_in_a_whole_state():
+    """The reaction of a step that is not recorded is left out; the final state has it, whatever step it is of."""
+    system, plate = cantilever()
+
+    def push(t, r, v):
+        if t > 0.0165:
+            raise KeyboardInterrupt
+        return np.array([[0.0, 0.0, 1.0]])
+
+    system.add(lm.UserForce("push", (plate.corner("x+y-"),), push))
+    result = lm.simulate(system, 0.05, lm.GeneralizedAlpha(dt=1e-3), stride=5, on_failure="return")
+    assert result.outcome.cause is Cause.INTERRUPTED
+    assert result.final.t == pytest.approx(0.016)
+    assert result.at[-1] == pytest.approx(0.015)
+    assert result.final.reaction.shape == result.final.q.shape
 
 
 def test_stride_records_less_and_sums_the_same():
