@@ -94,6 +94,32 @@ def test_an_acceleration_moves_a_drive_exactly():
         np.testing.assert_allclose(list(run.outputs.values()), [x, v], rtol=0, atol=1e-12)
 
 
+def test_a_support_follows_another_acceleration_over_the_same_time():
+    """What supports add to the coordinates is known by the time; it is another after a restored state, and after a reset."""
+    section = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1.2e3), thickness=0.02)
+    system, plate = lm.System(), lm.Plate("plate", (1.0, 0.3), (2, 1), section)
+    system.add(plate)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PrescribedMotion("lift", plate.marker("tip", 1.0, 0.15), axis="z", displacement=lm.Constant(0.0)))
+    run = lm.Stepping(
+        system, lm.GeneralizedAlpha(dt=1e-2), inputs=["lift.acceleration"], outputs=["tip.position.z", "lift.force"]
+    )
+    run.advance(0.05)
+    saved, forces = run.save(), []
+    for acceleration in (1.0, 2.0):
+        run.restore(saved)
+        run.set("lift.acceleration", acceleration)
+        run.advance(0.01)
+        assert run.get("tip.position.z") == pytest.approx(0.5 * acceleration * 0.01**2, rel=1e-9)
+        forces.append(run.get("lift.force"))
+    assert forces[1] == pytest.approx(2.0 * forces[0], rel=1e-3)  # the plate has hardly moved: it answers in proportion
+    for acceleration in (1.0, 3.0):
+        run.reset()
+        run.set("lift.acceleration", acceleration)
+        run.advance(0.01)
+        assert run.get("tip.position.z") == pytest.approx(0.5 * acceleration * 0.01**2, rel=1e-9)
+
+
 def test_a_drive_by_its_speed_goes_on_from_where_it_stands():
     ground, body = lm.Ground(), lm.RigidBody("a", mass=1.0, inertia=(1, 1, 1), position=(0.3, 0, 0))
     rail = lm.PrismaticJoint("rail", ground.origin, body.origin, axis=(1, 0, 0))

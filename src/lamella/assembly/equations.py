@@ -136,6 +136,13 @@ class Equations:
         q += self._moved(point.t, point.factor) if self.elimination.moves else self._fixed
         return q
 
+    def forget(self) -> None:
+        """Evaluate anew what is known for a time: a function of time has been given another course."""
+        self._moved.cache_clear()
+        self._carried.cache_clear()
+        self.forces.forget()
+        self.loads.forget()
+
     def _moved_at(self, t: float, factor: float) -> Floats:
         """What supports add to the coordinates, shape (n_q,)."""
         return self._fixed + self._source(factor * self.elimination.motions(t))

@@ -111,7 +111,7 @@ class Stepping:
             item.held.recall(self._at_start[name])
         self._wanted = {name: item.start for name, item in self._inputs.items()}
         self.model.reset()
-        self._forget()
+        self._equations.forget()
         point, self.start = consistent_start(self._equations, self._linear, self._t_start, self._initial)
         self._signals = system_signals(self._equations)
         self._known = {signal.name: signal for signal in self._signals}
@@ -269,7 +269,7 @@ class Stepping:
         for part, found in zip(self._remembering, memory["signals"], strict=True):
             part.recall(found)
         march.watch.recall(memory["watch"])
-        self._forget()
+        self._equations.forget()
         march.stepper.recall(memory["stepper"])
 
     def _blocks(self) -> list[Any]:
@@ -287,14 +287,9 @@ class Stepping:
 
     def _restart(self) -> None:
         """Solve for accelerations behind a jump."""
-        self._forget()
+        self._equations.forget()
         self._march.restart()
         self._march.recorder.sample(self.t, self._march.state)
-
-    def _forget(self) -> None:
-        """Evaluate forces anew that are known for the present time."""
-        self._equations.forces.forget()
-        self._equations.loads.forget()
 
     def _fingerprint(self) -> str:
         """What a saved state must have in common with the run that takes it."""
