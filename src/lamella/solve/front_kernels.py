@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import kernel as njit  # these make no arrays
+from lamella._jit import kernel
 from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats, Ints
 
@@ -19,7 +19,7 @@ BLOCK = 48
 """Columns of a panel that are factorised before the rest is updated: 3 ``WIDTH`` rows of them stay in the first-level cache."""
 
 
-@njit
+@kernel
 def _subtract_tall(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
     """C -= A B for 3 WIDTH rows and 4 columns: A (rows, n) at a[a0] and C at c[c0] by columns, B (n, 4) at b[b0] by rows."""
     c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
@@ -42,7 +42,7 @@ def _subtract_tall(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     store_at(c, c3, p03), store_at(c, c3 + WIDTH, p13), store_at(c, c3 + 2 * WIDTH, p23)
 
 
-@njit
+@kernel
 def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
     """C -= A B for WIDTH rows and 4 columns, stored as in :func:`_subtract_tall`."""
     c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
@@ -55,7 +55,7 @@ def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     store_at(c, c0, p0), store_at(c, c1, p1), store_at(c, c2, p2), store_at(c, c3, p3)
 
 
-@njit
+@kernel
 def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
     """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0]."""
     i = 0
@@ -68,7 +68,7 @@ def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b
             i += 4
 
 
-@njit
+@kernel
 def subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
     """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
 
@@ -85,7 +85,7 @@ def subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats,
         row += WIDTH
 
 
-@njit
+@kernel
 def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs: Floats, s0: int) -> int:
     """L S L^T of the 4 by 4 block at a[corner]; -1, or the column whose pivot is within its limit (or not a number)."""
     for i in range(4):
@@ -104,7 +104,7 @@ def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs:
     return -1
 
 
-@njit
+@kernel
 def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panel at a[a0], from which all columns before are already subtracted."""
     corner = a0 + j * a_len + j
@@ -135,7 +135,7 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
     return -1
 
 
-@njit
+@kernel
 def _factorise_front(
     a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, s0: int, b: Floats
 ) -> int:
@@ -161,7 +161,7 @@ def _factorise_front(
     return -1
 
 
-@njit
+@kernel
 def extend_add(
     u: Floats, u0: int, u_len: int, runs: Ints, first: int, last: int, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int
 ) -> None:
@@ -182,14 +182,14 @@ def extend_add(
                     _add(u, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
 
 
-@njit
+@kernel
 def clear(c: Floats, c0: int, n: int) -> None:
     """c[c0:] = 0 for n entries."""
     for i in range(c0, c0 + n):
         c[i] = 0.0
 
 
-@njit
+@kernel
 def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
     """c[c0:] += d[d0:] for n entries."""
     i = 0
@@ -201,7 +201,7 @@ def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
         i += 1
 
 
-@njit
+@kernel
 def factorise(
     k: Floats, slots: Ints, ones: Ints, fronts: Ints, runs: Ints, limits: Floats, a: Floats, u: Floats, signs: Floats, b: Floats
 ) -> int:

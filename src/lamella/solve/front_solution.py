@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from lamella._jit import kernel as njit  # these make no arrays
+from lamella._jit import kernel
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 
 
-@njit
+@kernel
 def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     """y <- L^-1 y for the pivots, rest of y minus what they cause; four columns at a time, so that y is read and written once."""
     for k in range(0, p, 4):
@@ -30,7 +30,7 @@ def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
             row += WIDTH
 
 
-@njit
+@kernel
 def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     """y <- L^-T y for the pivots, with the rest of y known."""
     for k in range(p - 4, -1, -4):
@@ -70,7 +70,7 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
         y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
 
 
-@njit
+@kernel
 def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floats, y: Floats) -> None:
     """x <- (L S U)^-1 x, by position.
 
@@ -107,7 +107,7 @@ def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floa
             x[first + i] = y[i]
 
 
-@njit
+@kernel
 def solve_coordinates(
     fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, position: Ints, r: Floats, x: Floats, y: Floats, out: Floats
 ) -> None:
