@@ -14,7 +14,7 @@ from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Ints
 from lamella.solve.base import PIVOT_TOLERANCE
 
-_geqrf, _orgqr, _trtrs = get_lapack_funcs(("geqrf", "orgqr", "trtrs"), dtype=np.float64)
+_geqrf, _orgqr = get_lapack_funcs(("geqrf", "orgqr"), dtype=np.float64)
 
 SOFTEST = 1e-6
 """Least stiffness that scales a coordinate, relative to the largest in its group, for equal entries in J."""
@@ -61,9 +61,7 @@ class Group:
         Q = np.zeros((m, m), order="F")
         Q[:, :n_lam] = qr
         Q = _orgqr(Q, tau, overwrite_a=1)[0]
-        Q /= d[:, None]
-        self.N[:] = Q[:, n_lam:]
-        self.P[:] = _trtrs(qr[:n_lam], Q[:, :n_lam].T)[0].T
+        _unscaled(Q, qr, d, self.N, self.P)
         return -1
 
 
@@ -91,6 +89,20 @@ def _scaled(
             J[i, a] /= d[i]
             square += J[i, a] ** 2
         size[a] = np.sqrt(square)
+
+
+@kernel
+def _unscaled(Q: Floats, R: Floats, d: Floats, N: Floats, P: Floats) -> None:
+    """N = d^-1 Q_2 and P = d^-1 Q_1 R^-T. For so small an R, LAPACK's threads take a hundred times longer than the arithmetic."""
+    n_lam = P.shape[1]
+    for i in range(len(d)):
+        for k in range(n_lam - 1, -1, -1):
+            x = Q[i, k] / d[i]
+            for a in range(k + 1, n_lam):
+                x -= R[k, a] * P[i, a]
+            P[i, k] = x / R[k, k]
+        for k in range(N.shape[1]):
+            N[i, k] = Q[i, n_lam + k] / d[i]
 
 
 def groups_of(pattern: Pattern) -> list[Group]:
