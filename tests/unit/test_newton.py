@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lamella as lm
 from lamella.assembly.equations import Equations
-from lamella.assembly.point import STATIC
+from lamella.assembly.pattern import Pattern
+from lamella.assembly.point import STATIC, Point
 from lamella.errors import DeclarationError
 from lamella.result import Cause, Statistics
 from lamella.solve.linear import linear_solver
@@ -88,6 +91,48 @@ def test_a_kept_factorisation_serves_further_solutions():
     solver.forget()
     assert solver.solve(point, STATIC).converged
     assert statistics.factorisations == before + 1
+
+
+class Stiffening:
+    """r(u) = u + u^3 - load: where the load grows by a tenth, the matrix is good for one step."""
+
+    magnitude, n_motion = np.ones(1), 1
+
+    def __init__(self):
+        self.load = 1.0
+
+    def residual(self, point):
+        return point.u + point.u**3 - self.load, np.zeros(0)
+
+    def linearise(self, point, weights, previous=None):
+        return (*self.residual(point), 1.0 + 3.0 * point.u**2, np.zeros(0))
+
+    def coordinates(self, point):
+        return point.u
+
+    def violation(self, point):
+        return 0.0
+
+
+def test_a_matrix_that_is_good_for_one_step_serves_the_first_correction_of_the_next_and_is_not_tried_again():
+    none, statistics = np.zeros(0, np.int64), Statistics()
+    pattern = Pattern(1, np.array([0, 1]), np.array([0]), False, 0, np.zeros(1, np.int64), none)
+    options = lm.Newton(tolerance=1e-5, keep=0.01, line_search="residual")
+    equations = Stiffening()
+    solver = NewtonSolver(equations, linear_solver(pattern, "superlu"), options, statistics)
+    point = Point(0.0, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(0))
+    for _ in range(3):
+        assert solver.solve(point, STATIC).converged
+        equations.load *= 1.1
+    before = replace(statistics)
+    for _ in range(4):
+        assert solver.solve(point, STATIC).converged
+        assert point.u[0] + point.u[0] ** 3 == pytest.approx(equations.load, rel=1e-5)
+        equations.load *= 1.1
+    assert statistics.factorisations - before.factorisations == 4
+    iterations = statistics.newton_iterations - before.newton_iterations
+    assert statistics.solves - before.solves == iterations  # none was in vain
+    assert statistics.residuals - before.residuals == iterations
 
 
 def test_statistics_count_the_work():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Literal, NamedTuple, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -89,6 +89,14 @@ class NewtonReport:
         return self.cause is Cause.COMPLETED
 
 
+class Evaluation(NamedTuple):
+    """Residual r and Phi at a point, and the values K and J of the matrix there if it was asked for."""
+
+    r: Floats
+    phi: Floats
+    matrix: tuple[Floats, Floats] | None
+
+
 class NewtonSolver:
     """Solves r(u, lam) = 0, Phi(u) = 0 by corrections of a :class:`Point`.
 
@@ -102,6 +110,7 @@ class NewtonSolver:
     def __init__(self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
         self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
         self._factored_for: Weights | None = None
+        self._age, self._short_lived = 0, False
         self._per_magnitude = 1.0 / equations.magnitude
         self._corrections = SecantCorrections(linear)
         self._per_stiffness = np.zeros(0)
@@ -125,16 +134,18 @@ class NewtonSolver:
         before, start, known, n = None, point.u, None, self.equations.n_motion
         last = size = np.inf
         self._corrections.forget()
-        iteration = 0
+        self._age += 1
+        iteration, renewed = 0, False
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
             try:
-                if known is not None and not fresh:  # where the line search has ended
-                    r, phi = known
-                else:
-                    r, phi = self._evaluate(point, weights, reference, before, fresh=fresh)
+                if known is None or (fresh and known.matrix is None):
+                    known = self._evaluate(point, weights, reference, before, fresh=fresh)
+                r, phi, matrix = known
                 if not isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
+                if matrix is not None:
+                    self._factorise(matrix, weights)
                 du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
                 self.forget()
@@ -150,15 +161,22 @@ class NewtonSolver:
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
             contraction = size / last if isfinite(last) else 0.5
             goal = max(self.options.tolerance * change, SMALLEST)
-            if not fresh and isfinite(last) and not self._promising(size, contraction, goal):
+            promising, small = self._promising(size, contraction, goal), self._small_enough(size, contraction, goal)
+            if renewed:
+                self._short_lived = not small  # else the one before would have done as well
+            elif not fresh and isfinite(last) and not promising:
+                self._short_lived |= self._age == 1
                 self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
             before = point.u
-            small = self._small_enough(size, contraction, goal)
-            step, known = 1.0, None
+            # Of contact a tangent costs as much as several iterations: it is tried once more before it is given up. A plate far
+            # from its solution diverges on it.
+            untried = self.options.line_search == "residual" and self.options.keep > 0.0 and (renewed or not isfinite(last))
+            step, known, renewed = 1.0, None, False
             if self.options.line_search == "residual" and not small:
-                step, known = self._descending(point, weights, r, du, dlam)
+                renewed = self._short_lived and not fresh and iteration == 0
+                step, known = self._descending(point, weights, r, du, dlam, renewed=renewed)
             elif self.options.line_search is True and contraction >= 1.0:
                 step = self._searched(point, weights, du, dlam)
             if step == 1.0:
@@ -174,10 +192,7 @@ class NewtonSolver:
                 return NewtonReport(Cause.COMPLETED, iteration + 1, size)
             if size > 1e6:
                 break
-            # Of contact a tangent costs as much as several iterations: it is tried once more before it is given up. A plate far
-            # from its solution diverges on it.
-            untried = not isfinite(last) and self.options.keep > 0.0 and self.options.line_search == "residual"
-            if fresh and not untried and not self._promising(size, contraction, goal):
+            if renewed or (fresh and not untried and not promising):
                 self.forget()
             last = size
         self.forget()
@@ -201,24 +216,26 @@ class NewtonSolver:
 
     def _evaluate(
         self, point: Point, weights: Weights, reference: Floats | None, before: Floats | None, *, fresh: bool
-    ) -> tuple[Floats, Floats]:
-        """Residual, and a new factorisation if ``fresh``; ``before`` are the independent coordinates of the last iterate."""
+    ) -> Evaluation:
+        """Residual, and the matrix if ``fresh``; ``before`` are the independent coordinates of the last iterate."""
         self.statistics.residuals += 1
         if not fresh:
-            return self.equations.residual(point)
+            return Evaluation(*self.equations.residual(point), None)
         previous = None
         if self.options.extrapolate:
             previous = reference if before is None else self.equations.coordinates(replace(point, u=before))
         r, phi, k, j = self.equations.linearise(point, weights, previous)
         self.statistics.tangents += 1
-        if np.isfinite(r).all():
-            self._corrections.forget()
-            self.linear.factorise(k, j)
-            if self.options.line_search == "residual":
-                self._per_stiffness = 1.0 / np.maximum(np.abs(self.linear.pattern.diagonal(k)), np.finfo(float).tiny)
-            self.statistics.factorisations += 1
-            self._factored_for = weights
-        return r, phi
+        return Evaluation(r, phi, (k, j))
+
+    def _factorise(self, matrix: tuple[Floats, Floats], weights: Weights) -> None:
+        self._corrections.forget()
+        self.linear.factorise(*matrix)
+        if self.options.line_search == "residual":
+            diagonal = self.linear.pattern.diagonal(matrix[0])
+            self._per_stiffness = 1.0 / np.maximum(np.abs(diagonal), np.finfo(float).tiny)
+        self.statistics.factorisations += 1
+        self._factored_for, self._age = weights, 0
 
     def _free(self, error: SingularSystemError) -> str:
         """What is free, in words."""
@@ -232,16 +249,17 @@ class NewtonSolver:
         point.lam = point.lam + dlam
 
     def _descending(
-        self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats
-    ) -> tuple[float, tuple[Floats, Floats] | None]:
-        """A step length s that lessens the sum of r_i^2 / K_ii by a tenth of s, or the shortest one; and the residual there."""
+        self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats, *, renewed: bool
+    ) -> tuple[float, Evaluation | None]:
+        """A step length s that lessens the sum of r_i^2 / K_ii by a tenth of s, or the shortest one; and the residual there,
+        at the whole step with the matrix if that is to be ``renewed``.
+        """
         now, step = float(r**2 @ self._per_stiffness), 1.0
         for _ in range(HALVINGS):
             trial = point.copy()
             self._move(trial, weights, step * du, step * dlam)
-            reached = self.equations.residual(trial)
-            self.statistics.residuals += 1
-            if float(reached[0] ** 2 @ self._per_stiffness) <= (1.0 - 0.1 * step) * now:
+            reached = self._evaluate(trial, weights, None, point.u, fresh=renewed and step == 1.0)
+            if float(reached.r**2 @ self._per_stiffness) <= (1.0 - 0.1 * step) * now:
                 return step, reached
             step *= 0.5
         return step, None
