@@ -107,6 +107,13 @@ class ForceBlock(Memory, ABC):
     def energy(self, t: float, q: Floats) -> float:
         """Potential energy [J]."""
 
+    def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write f(t, q, v) - f(t, q, 0) to the force buffer ``f`` (n_f,)."""
+        still = np.empty_like(f)
+        self.force(t, q, np.zeros_like(v), still)
+        self.force(t, q, v, f)
+        f -= still
+
     def dissipation(self, t: float, q: Floats, v: Floats) -> float:
         """Power turned into heat [W]."""
         return 0.0

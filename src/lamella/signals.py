@@ -238,8 +238,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
         A damper that relaxes within a step does the work of its mean force on the little way that is left, not its first power
         for half the step.
         """
-        all_of_it = dampers(state.t, state.q, state.v).copy()
-        return all_of_it - dampers(state.t, state.q, at_rest), state.q
+        return dampers.damping(state.t, state.q, state.v), state.q
 
     def power(state: State) -> float:
         return sum(block.dissipation(state.t, state.q, state.v) for block in damped)
@@ -260,7 +259,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
     def supports(state: State) -> float:
         return (along_motions(state) if moves else 0.0) + actuators(state)
 
-    dampers, at_rest = ForceSum(damped, model.n_q), np.zeros(model.n_q)
+    dampers = ForceSum(damped, model.n_q)
     along_the_way = WorkMeter(heat) if damped else nothing
 
     def dissipated(state: State) -> float:

@@ -202,6 +202,19 @@ def test_forces_and_torques_on_sheet_and_obstacle_sum_to_zero(obstacle, law):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("obstacle", OBSTACLES)
+def test_damping_force_is_what_velocities_add(obstacle, law):
+    case = Case(obstacle, law)
+    block, buffer = case.block, np.full(len(case.block.f_coords), np.nan)
+    block.damping_force(0.0, case.q, case.v, buffer)
+    used, found = block.f_coords >= 0, np.zeros(len(case.q))
+    np.add.at(found, block.f_coords[used], (buffer * block.f_scale)[used])
+    whole, still = case.f(case.q, case.v), case.f(case.q, np.zeros_like(case.v))
+    np.testing.assert_allclose(found, whole - still, atol=1e-12 * np.abs(whole).max())
+    assert (np.abs(found).max() > 1e-6 * np.abs(whole).max()) == (law != "elastic")
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("obstacle", OBSTACLES)
 def test_power_is_what_is_stored_and_what_becomes_heat(obstacle, law):
     case = Case(obstacle, law)
     case.q[:12] = case.rest[:12]

@@ -482,6 +482,10 @@ def test_damped_shell_is_the_sum_of_both_blocks(mesh, rng, options):
         np.testing.assert_allclose(K, expected[1], atol=1e-12 * np.abs(expected[1]).max())
     assert both.energy(0.0, q) == pytest.approx(parts[0].energy(0.0, q), rel=1e-12)
     assert both.dissipation(0.0, q, v) == pytest.approx(parts[1].dissipation(0.0, q, v), rel=1e-12)
+    damping, viscous = aligned(len(both.f_coords)), aligned(len(both.f_coords))
+    both.damping_force(0.0, q, v, damping)
+    parts[1].force(0.0, q, v, viscous)
+    np.testing.assert_array_equal(damping, viscous)
 
 
 def tangent_from(block, q, v, alpha_q, alpha_v, previous):

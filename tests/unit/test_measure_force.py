@@ -88,7 +88,11 @@ def test_power_beyond_the_elastic_force_is_turned_into_heat(law, seed):
     block, q, v = block_of(law), configuration(seed), 3.0 * configuration(seed + 50)
     heat = block.dissipation(TIME, q, v)
     assert heat >= 0.0
-    assert heat == pytest.approx(v @ (force(block, q, v) - force(block, q, np.zeros(N))), rel=1e-10, abs=1e-10)
+    damping, buffer = force(block, q, v) - force(block, q, np.zeros(N)), np.empty(len(block.f_coords))
+    assert heat == pytest.approx(v @ damping, rel=1e-10, abs=1e-10)
+    block.damping_force(TIME, q, v, buffer)
+    summed = np.bincount(block.f_coords, buffer * block.f_scale, minlength=N)
+    np.testing.assert_allclose(summed, damping, atol=1e-10 * max(1.0, np.abs(damping).max()))
 
 
 def test_a_stop_pushes_only_and_grows_smoothly():

@@ -60,6 +60,13 @@ class ForceSum:
             block.force_tangent(t, q, v, weights.alpha_q, alpha_v, previous, part, k)
         self._filled(t)
 
+    def damping(self, t: float, q: Floats, v: Floats) -> Floats:
+        """f(t, q, v) - f(t, q, 0), shape (n_q,)."""
+        for block, part in self.parts:
+            block.damping_force(t, q, v, part)
+        self.forget()
+        return self._sum(self.buffer)
+
     def forget(self) -> None:
         """Evaluate everything anew, also at the same time: an input has changed."""
         self._t = np.nan

@@ -165,9 +165,9 @@ class ContactBlock(ForceBlock):
         vectors = self._body(q, q).x.reshape(4, 3)
         return vectors[0] + self.obstacle.centre @ vectors[1:], self.obstacle.axis @ vectors[1:]
 
-    def _evaluate(self, q: Floats, v: Floats, f: Floats, field: Floats, *, moving: bool) -> None:
+    def _evaluate(self, q: Floats, v: Floats, f: Floats, field: Floats, *, moving: bool, damping: bool = False) -> None:
         force(
-            q, v, moving, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors, self._work,
+            q, v, moving, self._body(q, v), self.sheet, self.obstacle, self.law, self._anchors, damping, self._work,
             self._points, self._places, f, self._totals, field,
         )  # fmt: skip
 
@@ -183,6 +183,9 @@ class ContactBlock(ForceBlock):
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         f[:] = self._observed(q, v)[0]
+
+    def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        self._evaluate(q, v, f, self._no_field, moving=True, damping=True)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats

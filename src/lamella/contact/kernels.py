@@ -12,7 +12,7 @@ import numpy as np
 
 from lamella._jit import inlined, kernel
 from lamella.contact.gap import Obstacle, distance, gap, positive
-from lamella.contact.point import Axes, Force, Law, Relative, components, contact, tangential, weighted
+from lamella.contact.point import Axes, Force, Law, Relative, components, contact, due_to_velocity, tangential, weighted
 from lamella.contact.sheet import Sheet, gather, interpolate, near
 from lamella.element.plate48.strain import Vector, combined, combined3, cross, dot
 from lamella.lane import WIDTH, chosen, load_at, spread, sqrt, store_at, total
@@ -110,12 +110,19 @@ def reached(obstacle: Obstacle, reach: float, rel: Relative) -> bool:
 
 @inlined
 def force_at(
-    sheet: Sheet, obstacle: Obstacle, law: Law, reach: float, element: int, p: int, rel: Relative, work: Floats, place: int
-) -> Force:
-    """Contact at points p, p + 1, ...; their h goes to work, (component, place), for :func:`add_to_element`."""
+    sheet: Sheet, obstacle: Obstacle, law: Law, reach: float, element: int, p: int, rel: Relative, damping: bool,
+    work: Floats, place: int,
+) -> Force:  # fmt: skip
+    """Contact at points p, p + 1, ...; their h goes to work, (component, place), for :func:`add_to_element`.
+
+    With ``damping`` forces are less those at rest.
+    """
     at = gap(obstacle, reach, rel.y, rel.a)
     area = load_at(sheet.areas, element * sheet.points + p)
-    c = contact(law, at, chosen(at.g, 0.0, area), rel)
+    area = chosen(at.g, 0.0, area)
+    c = contact(law, at, area, rel)
+    if damping:
+        c = due_to_velocity(law, area, rel, c)
     to = pushes(sheet) + place
     store_at(work, to, c.h[0])
     store_at(work, to + sheet.points, c.h[1])
@@ -199,11 +206,12 @@ def touching(sheet: Sheet, element: int, p: int, place: int, g: Any, work: Float
 @kernel
 def force(
     q: Floats, v: Floats, moving: bool, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats,
-    work: Floats, points: Ints, places: Ints, f: Floats, totals: Floats, field: Floats,
+    damping: bool, work: Floats, points: Ints, places: Ints, f: Floats, totals: Floats, field: Floats,
 ) -> None:  # fmt: skip
     """Force, totals, and what each point shows if ``field`` has room for it.
 
     Args:
+        damping: give the force less that at rest in the same place; totals mean nothing then.
         points, places: room for the numbers of the points that touch, and of their places in work.
     """
     f[:] = 0.0
@@ -221,7 +229,7 @@ def force(
             rel = at_points(body, moving, sheet, obstacle, anchors, element, p, work)
             if not every and not reached(obstacle, reach, rel):
                 continue
-            c = force_at(sheet, obstacle, law, reach, element, p, rel, work, place)
+            c = force_at(sheet, obstacle, law, reach, element, p, rel, damping, work, place)
             if obstacle.moves:
                 add_to_body(obstacle, c, work, kept)
             area = load_at(sheet.areas, element * sheet.points + p)

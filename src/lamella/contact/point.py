@@ -167,3 +167,15 @@ def contact(law: Law, at: Gap, area: Any, rel: Relative) -> Force:
         at, F, law.exponent * stiff * growth, F_rate, elastic, rate, size, unit, Y, tangential(unit, v), u, u0, c_v, c_s,
         phi, over, tau, h, scaled(-F, at.g_a),
     )  # fmt: skip
+
+
+@inlined
+def due_to_velocity(law: Law, area: Any, rel: Relative, c: Force) -> Force:
+    """The contact ``c``, its forces tau, h, f_a and F less those at rest in the same place."""
+    o = (0.0 * area, 0.0 * area, 0.0 * area)
+    still = contact(law, c.at, area, Relative(rel.y, o, rel.a, o, rel.D, (o, o, o), rel.X, rel.held))
+    tau, h = combined(1.0, c.tau, -1.0, still.tau), combined(1.0, c.h, -1.0, still.h)
+    return Force(
+        c.at, c.F - still.F, c.F_delta, c.F_rate, c.elastic, c.rate, c.size, c.unit, c.Y, c.slip, c.u, c.u0, c.c_v, c.c_s,
+        c.phi, c.over, tau, h, combined(1.0, c.f_a, -1.0, still.f_a),
+    )  # fmt: skip

@@ -146,7 +146,7 @@ def force_tangent(
                 rel = at_points(body, moving, sheet, obstacle, anchors, element, p, work)
                 if not reached(obstacle, reach, rel):
                     continue
-                c = force_at(sheet, obstacle, law, reach, element, p, rel, work, place)
+                c = force_at(sheet, obstacle, law, reach, element, p, rel, False, work, place)
                 listed = touching(sheet, element, p, place, c.at.g, work, points, places, count)
                 if listed == count:
                     continue

@@ -48,6 +48,11 @@ class MeasureForce(ForceBlock):
         self.measures.evaluate(q)
         return self.law.force(t, self.measures.values, self.measures.rates(v))[0]
 
+    def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        F = self.answers(t, q, v)
+        F = F - self.law.force(t, self.measures.values, np.zeros_like(F))[0]
+        np.multiply((self.shares * F)[self.measures.owner], self.measures.gradients, out=f)
+
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:

@@ -95,6 +95,7 @@ class MeasureSet(Memory):
         self._terms = np.zeros(len(terms))
         self.hessians = np.zeros(int(np.sum(self.counts**2)))
         self._scratch = np.zeros((36, 9))
+        self._place, self._has_second = b"", False
         self.rows, self.cols = self._pairs()
 
     def _pairs(self) -> tuple[Ints, Ints]:
@@ -106,7 +107,14 @@ class MeasureSet(Memory):
         return np.concatenate([empty, *rows]), np.concatenate([empty, *cols])
 
     def evaluate(self, q: Floats, *, second: bool = False) -> None:
-        """Overwrite ``values``, ``gradients`` and, with ``second``, ``hessians`` by those at ``q`` (n_q,)."""
+        """Overwrite ``values``, ``gradients`` and, with ``second``, ``hessians`` by those at ``q`` (n_q,).
+
+        Those at the place evaluated last are known: constraints are asked for value, gradient and curvature one by one.
+        """
+        place = q[self.coords].tobytes() + self.centres.tobytes()
+        if place == self._place and (self._has_second or not second):
+            return
+        self._place, self._has_second = place, second
         evaluate(
             self._first_term,
             self._kinds,

@@ -69,6 +69,11 @@ class CondensedBlock(ElementBlock):
         self._full.force(t, self._expanded(q, self._q), self._velocities(v), self._f)
         kernels.condense_force(self._f, self._twists, self._places, f)
 
+    def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """What velocities add to the force."""
+        self._full.damping_force(t, self._expanded(q, self._q), self._velocities(v), self._f)
+        kernels.condense_force(self._f, self._twists, self._places, f)
+
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:

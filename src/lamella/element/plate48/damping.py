@@ -51,8 +51,15 @@ class KelvinVoigtBlock(Plate48Block):
             self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.k_rows.size), self._power.copy()
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Viscous force, with the elastic one if that is added."""
+        self._force(q, v, f, elastic=self.elastic)
+
+    def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force."""
-        how = self.time, self.elastic
+        self._force(q, v, f, elastic=False)
+
+    def _force(self, q: Floats, v: Floats, f: Floats, *, elastic: bool) -> None:
+        how = self.time, elastic
         kernels.viscous_force(q, v, *how, *self._arguments[0], self._work, f, self._power)
         for arguments in self._arguments[1:]:
             kernels.viscous_force(q, v, *how, *arguments, self._work, self._f, self._part_power)
