@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import kernel
+from lamella._jit import inlined, kernel
 from lamella.lane import WIDTH, load_at, store_at
 from lamella.roles import Floats, Ints
 
@@ -19,7 +19,7 @@ BLOCK = 48
 """Columns of a panel that are factorised before the rest is updated: 3 ``WIDTH`` rows of them stay in the first-level cache."""
 
 
-@kernel
+@inlined
 def _subtract_tall(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
     """C -= A B for 3 WIDTH rows and 4 columns: A (rows, n) at a[a0] and C at c[c0] by columns, B (n, 4) at b[b0] by rows."""
     c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
@@ -42,7 +42,7 @@ def _subtract_tall(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     store_at(c, c3, p03), store_at(c, c3 + WIDTH, p13), store_at(c, c3 + 2 * WIDTH, p23)
 
 
-@kernel
+@inlined
 def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int) -> None:
     """C -= A B for WIDTH rows and 4 columns, stored as in :func:`_subtract_tall`."""
     c1, c2, c3 = c0 + c_len, c0 + 2 * c_len, c0 + 3 * c_len
@@ -57,14 +57,16 @@ def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
 
 @kernel
 def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
-    """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0]."""
+    """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0].
+
+    Surplus numbers of a lane are overwritten by the next one, the last go beyond the end: a and b have room for it.
+    """
     i = 0
     for column in range(0, columns, 4):
-        for k in range(n):
-            source = a0 + column + k * a_len
-            sign = signs[s0 + k]
-            b[i], b[i + 1] = sign * a[source], sign * a[source + 1]
-            b[i + 2], b[i + 3] = sign * a[source + 2], sign * a[source + 3]
+        source = a0 + column
+        for k in range(s0, s0 + n):
+            store_at(b, i, signs[k] * load_at(a, source))
+            source += a_len
             i += 4
 
 
@@ -189,7 +191,7 @@ def clear(c: Floats, c0: int, n: int) -> None:
         c[i] = 0.0
 
 
-@kernel
+@inlined
 def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
     """c[c0:] += d[d0:] for n entries."""
     i = 0
@@ -219,7 +221,7 @@ def factorise(
         a: panels, overwritten by L.
         u: updates (workspace; space is used again when an update has been added to its parent).
         signs: signs S by position.
-        b: workspace of ``BLOCK`` times the longest panel column.
+        b: workspace of ``BLOCK`` times the longest panel column, and ``WIDTH``.
 
     Returns:
         -1, or the position whose pivot is within its limit.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
+from lamella.lane import WIDTH
 from lamella.roles import Floats, Ints
 from lamella.solve import front_solution, lu_kernels
 from lamella.solve.base import PIVOT_TOLERANCE
@@ -19,7 +20,7 @@ class MultifrontalLU:
 
     Args:
         pattern: a pattern that holds all entries; its multipliers are ignored.
-        sources: where the value of each entry is found, see :class:`lamella.solve.lu_kernels.Entries`.
+        sources: where the value of each entry is found, see :func:`lamella.solve.lu_kernels.value`.
 
     Attributes:
         n: number of positions in the order of elimination, some of which only fill up.
@@ -33,17 +34,19 @@ class MultifrontalLU:
         self.cost, self.size = 2.0 * layout.cost, 2 * layout.size
         self.n, self.position, self.magnitude = len(layout.coordinate), layout.position, np.zeros(len(layout.coordinate))
         # Entries front after front, each with its place in the panels of L, or behind them in those of U^T.
-        order = np.argsort(layout.owner, kind="stable")
+        part = 2 * layout.owner + (sources < 0)
+        order = np.argsort(part, kind="stable")
         slots = np.where(layout.above, layout.slots + layout.size, layout.slots)[order]
-        starts = np.searchsorted(layout.owner[order], np.arange(len(layout.fronts)))
+        starts = np.searchsorted(part[order], np.arange(2 * len(layout.fronts) - 1))
+        numbers = np.where(sources < 0, -1 - sources, sources)[order]
         self._diagonal = sources[layout.diagonal].astype(np.int32)
-        self._entries = lu_kernels.Entries(sources[order].astype(np.int32), slots.astype(np.int32), starts)
+        self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.int32), starts)
         self._padded_at = layout.pivots[layout.padded]
-        panels = np.zeros(2 * layout.size)
+        panels = np.zeros(2 * layout.size + WIDTH)
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
         self._u, self._v = np.zeros(layout.update_size), np.zeros(layout.update_size)
         self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
-        self._b, self._y = np.zeros(BLOCK * layout.longest), np.zeros(layout.longest)
+        self._b, self._y = np.zeros(BLOCK * layout.longest + WIDTH), np.zeros(layout.longest)
 
     def factorise(self, k: Floats, more: Floats) -> int:
         """Factorise the matrix of values in both arrays; -1, or the coordinate whose pivot is rounding error."""

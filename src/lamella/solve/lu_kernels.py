@@ -20,9 +20,10 @@ class Entries(NamedTuple):
     """Values of a matrix, front after front, so that a panel is filled just before it is factorised.
 
     Args:
-        sources: number of each value among those of the first array, or -1 less its number among those of the second.
+        sources: number of each value in the first or the second of two arrays.
         slots: its place in the panels.
-        starts: where the values of each front begin.
+        starts: where the values of each front from the first and from the second array begin, and where they all end,
+            shape (2 n_front + 1,).
     """
 
     sources: Indices
@@ -32,7 +33,7 @@ class Entries(NamedTuple):
 
 @inlined
 def value(k: Floats, more: Floats, source: int) -> float:
-    """The value of a source; see :class:`Entries`."""
+    """The value of a source: its number among those of the first array, or -1 less its number among those of the second."""
     return k[source] if source >= 0 else more[-1 - source]
 
 
@@ -158,11 +159,11 @@ def factorise(
         ones_at: positions in ``a`` of padded pivots, ascending.
         fronts, runs: as in :func:`lamella.solve.front_kernels.factorise`.
         limits: magnitude that a pivot must exceed, by position.
-        panels: all panels.
+        panels: all panels, and ``WIDTH``.
         a, c: the two halves of ``panels``, overwritten by L and U^T.
         u, v: their updates (workspace).
         ones: ones, as many as ``BLOCK``.
-        b: workspace of ``BLOCK`` times the longest panel column.
+        b: workspace of ``BLOCK`` times the longest panel column, and ``WIDTH``.
 
     Returns:
         -1, or the position whose pivot is within its limit.
@@ -173,8 +174,10 @@ def factorise(
         end = a0 + p * a_len
         clear(a, a0, p * a_len)
         clear(c, a0, p * a_len)
-        for i in range(entries.starts[f], entries.starts[f + 1]):
-            panels[entries.slots[i]] = value(k, more, entries.sources[i])
+        for i in range(entries.starts[2 * f], entries.starts[2 * f + 1]):
+            panels[entries.slots[i]] = k[entries.sources[i]]
+        for i in range(entries.starts[2 * f + 1], entries.starts[2 * f + 2]):
+            panels[entries.slots[i]] = more[entries.sources[i]]
         while padded < len(ones_at) and ones_at[padded] < end:
             a[ones_at[padded]] = 1.0
             padded += 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
+from lamella.lane import WIDTH
 from lamella.roles import Floats
 from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
@@ -25,11 +26,11 @@ class Multifrontal(SymmetricFactor):
         self.pattern = pattern
         self._layout = layout = FrontLayout(pattern)
         self.cost, self.size = layout.cost, layout.size
-        self._a, self._u = np.zeros(layout.size), np.zeros(layout.update_size)
+        self._a, self._u = np.zeros(layout.size + WIDTH), np.zeros(layout.update_size)
         self._signs = np.ones(len(layout.coordinate))
         self._padded_at = layout.pivots[layout.padded]
         self._z = np.zeros(len(layout.coordinate))
-        self._b, self._y = np.zeros(front_kernels.BLOCK * layout.longest), np.zeros(layout.longest)
+        self._b, self._y = np.zeros(front_kernels.BLOCK * layout.longest + WIDTH), np.zeros(layout.longest)
 
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""

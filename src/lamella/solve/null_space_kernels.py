@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lamella._jit import kernel
+from lamella.lane import WIDTH, load_at, store_at, total
+from lamella.lane import spread as spread_out
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.lu_kernels import value
 
@@ -15,7 +17,7 @@ TINY = float(np.finfo(float).tiny)
 
 class Rows(NamedTuple):
     """A matrix in compressed rows: number of each row, where each begins, and the column of each entry with the source of its
-    value, see :class:`lamella.solve.lu_kernels.Entries`.
+    value, see :func:`lamella.solve.lu_kernels.value`.
     """
 
     rows: Ints
@@ -55,13 +57,20 @@ class Panels(NamedTuple):
 
     Args:
         near, near_at: the coordinates f of each group, and where they begin.
-        kept, kept_at: values (f, g), flat, of each group, and where they begin.
+        kept, kept_at: values (g, f), flat, of each group, and where they begin; the f are filled up to whole lanes.
+        room: for a number of each f of a group.
     """
 
     near: Indices
     near_at: Ints
     kept: Floats
     kept_at: Ints
+    room: Floats
+
+
+def filled_up(count: int) -> int:
+    """The count of numbers in whole lanes."""
+    return -(-count // WIDTH) * WIDTH
 
 
 class Core(NamedTuple):
@@ -74,7 +83,7 @@ class Core(NamedTuple):
 
 @kernel
 def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats, kept: Floats, out: Floats) -> None:
-    """Keep the values of a panel K_fg (f, m), and write K_fg N (f, n) to out[slots[f] + n stride].
+    """Keep the values of a panel K_fg (m, f), and write K_fg N (f, n) to out[slots[f] + n stride].
 
     Args:
         k: values of the matrix.
@@ -85,14 +94,16 @@ def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats
         kept, out: results.
     """
     m, n = N.shape
-    for f in range(len(slots)):
-        for i in range(m):
-            kept[f, i] = k[source[f, i]] if source[f, i] >= 0 else 0.0
-        for a in range(n):
-            total = 0.0
-            for i in range(m):
-                total += kept[f, i] * N[i, a]
-            out[slots[f] + a * stride] = total
+    for i in range(m):
+        for f in range(source.shape[1]):
+            found = k[max(source[i, f], 0)]
+            kept[i, f] = found if source[i, f] >= 0 else 0.0
+    for a in range(n):
+        for f in range(len(slots)):
+            out[slots[f] + a * stride] = kept[0, f] * N[0, a]
+        for i in range(1, m):
+            for f in range(len(slots)):
+                out[slots[f] + a * stride] += kept[i, f] * N[i, a]
 
 
 @kernel
@@ -217,25 +228,33 @@ def _subtract_core(core: Core, x: Floats, out: Floats) -> None:
 @kernel
 def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
     """out_f -= K_fg x_g for all groups g."""
+    room = panels.room
     for g in range(len(panels.near_at) - 1):
         first, m = motions.coords_at[g], motions.coords_at[g + 1] - motions.coords_at[g]
-        at = panels.kept_at[g]
-        for f in range(panels.near_at[g], panels.near_at[g + 1]):
-            total = 0.0
+        near, count, at = panels.near_at[g], panels.near_at[g + 1] - panels.near_at[g], panels.kept_at[g]
+        wide = (panels.kept_at[g + 1] - at) // m
+        for f in range(0, wide, WIDTH):
+            sums = spread_out(0.0)
             for i in range(m):
-                total += panels.kept[at + i] * x[motions.coords[first + i]]
-            out[panels.near[f]] -= total
-            at += m
+                sums = sums + x[motions.coords[first + i]] * load_at(panels.kept, at + i * wide + f)
+            store_at(room, f, sums)
+        for f in range(count):
+            out[panels.near[near + f]] -= room[f]
 
 
 @kernel
 def _subtract_transposed(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
     """out_g -= K_fg^T x_f for all groups g."""
+    room = panels.room
     for g in range(len(panels.near_at) - 1):
         first, m = motions.coords_at[g], motions.coords_at[g + 1] - motions.coords_at[g]
-        at = panels.kept_at[g]
-        for f in range(panels.near_at[g], panels.near_at[g + 1]):
-            factor = x[panels.near[f]]
-            for i in range(m):
-                out[motions.coords[first + i]] -= panels.kept[at + i] * factor
-            at += m
+        near, count, at = panels.near_at[g], panels.near_at[g + 1] - panels.near_at[g], panels.kept_at[g]
+        wide = (panels.kept_at[g + 1] - at) // m
+        for f in range(count):
+            room[f] = x[panels.near[near + f]]
+        room[count:wide] = 0.0
+        for i in range(m):
+            sums = spread_out(0.0)
+            for f in range(0, wide, WIDTH):
+                sums = sums + load_at(panels.kept, at + i * wide + f) * load_at(room, f)
+            out[motions.coords[first + i]] -= total(sums)

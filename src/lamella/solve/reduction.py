@@ -10,7 +10,7 @@ import numpy as np
 from lamella.assembly.pattern import Pattern
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.constraint_group import Group
-from lamella.solve.null_space_kernels import Core, Motions, Panels, reduce_core, reduce_panel
+from lamella.solve.null_space_kernels import Core, Motions, Panels, filled_up, reduce_core, reduce_panel
 
 Lookup = Callable[[Ints, Ints], Ints]
 """Number of an entry by its row and column, -1 where there is none."""
@@ -34,7 +34,7 @@ class _Reduced:
     """The panels K_fg of all groups, or the transposed K_gf, and what they become.
 
     Args:
-        parts: of each group the coordinates f, and number in K and shape (f, m) of the values, place of the first motion's entry
+        parts: of each group the coordinates f, and number in K and shape (m, f) of the values, place of the first motion's entry
             for each f in the reduced matrix, and distance to that of the next motion.
     """
 
@@ -43,7 +43,8 @@ class _Reduced:
         near, near_at = joined([part.near for part in parts])
         sizes = [part.source.size for part in parts]
         kept_at = np.cumsum([0, *sizes])
-        self.panels = Panels(near, near_at, np.zeros(kept_at[-1]), kept_at)
+        room = np.zeros(max((part.source.shape[1] for part in parts), default=0))
+        self.panels = Panels(near, near_at, np.zeros(kept_at[-1]), kept_at, room)
         self._views = [
             self.panels.kept[at : at + size].reshape(part.source.shape)
             for at, size, part in zip(kept_at, sizes, parts, strict=False)
@@ -153,7 +154,10 @@ class Reduction:
         first = np.full(len(near), number[group.coords[0]])
         down = slot(first, number[near])
         stride = int((slot(first + 1, number[near]) - down)[0]) if len(near) and group.n_motion > 1 else 0
-        right, below = (source.reshape(shape).astype(np.int32) for source in (entry(f, g), entry(g, f)))
+        filler = (0, 0), (0, filled_up(len(near)) - len(near))
+        right, below = (
+            np.pad(source.reshape(shape).T, filler, constant_values=-1).astype(np.int32) for source in (entry(f, g), entry(g, f))
+        )
         return _Part(near, right, slot(number[near], first), 1), _Part(near, below, down, stride)
 
     def _set_core(self, source: Ints, rows: Ints, cols: Ints, number: Ints, width: Ints, slot: Lookup) -> None:
