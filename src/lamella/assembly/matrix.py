@@ -10,7 +10,7 @@ from scipy import sparse
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.expand import Entries, expand_matrix, expand_rows
 from lamella.assembly.forces import ForceSum
-from lamella.assembly.operator import ScatterSum, SumOperator, add_at
+from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
@@ -63,8 +63,9 @@ class MatrixAssembly:
         places, slots = np.unique(keys, return_inverse=True)
         n_entries = sum(len(e.rows) for e in entries)
         self._sum_setup(blocks, entries, slots[:n_entries])
-        self._mass = slots[n_entries : len(slots) - len(diagonal)].astype(np.int32), np.asarray(reduced_mass.data, float)[keep]
-        self._values = np.zeros(len(places))
+        self._values, self.mass = np.zeros(len(places)), np.zeros(len(places))
+        """The matrix, and M alone, in the pattern's order."""
+        np.add.at(self.mass, slots[n_entries : len(slots) - len(diagonal)], np.asarray(reduced_mass.data, float)[keep])
         self._jacobian_setup(model, T, n_u)
         indptr = np.searchsorted(places, np.arange(n_u + 1) * n_u)
         self.pattern = Pattern(
@@ -142,20 +143,11 @@ class MatrixAssembly:
             block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
             k *= weights.alpha_q
         data = self._values
-        data[:] = 0.0
-        if weights.alpha_a:
-            add_at(*self._mass, weights.alpha_a, data)
+        np.multiply(self.mass, weights.alpha_a, out=data)
         self._sum.add(self.buffer, EVERY, data)
         for block, part, total in self._partial:
             total.add(part, block.k_used, data)
         return data, self.jacobian(point.t, q)
-
-    @property
-    def mass(self) -> Floats:
-        """Values of M in the pattern's order."""
-        values = np.zeros_like(self._values)
-        add_at(*self._mass, 1.0, values)
-        return values
 
     def jacobian(self, t: float, q: Floats) -> Floats:
         """Values of Phi_q T in the pattern's order."""

@@ -119,13 +119,6 @@ def _add_parts(
                     out[targets[i]] += table[codes[i]] * x[i + ahead]
 
 
-@kernel
-def add_at(targets: Indices, x: Floats, factor: float, out: Floats) -> None:
-    """out[targets] += factor x, repeated targets each time."""
-    for i in range(len(targets)):
-        out[targets[i]] += factor * x[i]
-
-
 class VectorOperator:
     """y = (E x I3) x for vectors stacked in one array: the same sums for each component, with a third of the look-ups.
 

@@ -151,7 +151,7 @@ class NewtonSolver:
                 self.forget()
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
-            moved = np.empty_like(point.u), np.empty_like(point.u), np.empty_like(point.u)
+            moved = u, ud, udd = np.empty_like(point.u), np.empty_like(point.u), np.empty_like(point.u)
             size, change = _corrected(
                 point.u, point.ud, point.udd, du, start, self._per_magnitude,
                 n, weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate, *moved,
@@ -176,7 +176,8 @@ class NewtonSolver:
             step, known, renewed = 1.0, None, False
             if self.options.line_search == "residual" and not small:
                 renewed = self._short_lived and not fresh and iteration == 0
-                step, known = self._descending(point, weights, r, du, dlam, renewed=renewed)
+                whole = replace(point, u=u, ud=ud, udd=udd, lam=point.lam + dlam)
+                step, known = self._descending(point, weights, r, du, dlam, whole, renewed=renewed)
             elif self.options.line_search is True and contraction >= 1.0:
                 step = self._searched(point, weights, du, dlam)
             if step == 1.0:
@@ -249,15 +250,16 @@ class NewtonSolver:
         point.lam = point.lam + dlam
 
     def _descending(
-        self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats, *, renewed: bool
+        self, point: Point, weights: Weights, r: Floats, du: Floats, dlam: Floats, trial: Point, *, renewed: bool
     ) -> tuple[float, Evaluation | None]:
         """A step length s that lessens the sum of r_i^2 / K_ii by a tenth of s, or the shortest one; and the residual there,
-        at the whole step with the matrix if that is to be ``renewed``.
+        at the whole step, ``trial``, with the matrix if that is to be ``renewed``.
         """
         now, step = float(r**2 @ self._per_stiffness), 1.0
         for _ in range(HALVINGS):
-            trial = point.copy()
-            self._move(trial, weights, step * du, step * dlam)
+            if step < 1.0:
+                trial = point.copy()
+                self._move(trial, weights, step * du, step * dlam)
             reached = self._evaluate(trial, weights, None, point.u, fresh=renewed and step == 1.0)
             if float(reached.r**2 @ self._per_stiffness) <= (1.0 - 0.1 * step) * now:
                 return step, reached
