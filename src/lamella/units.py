@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field
@@ -49,6 +49,7 @@ def to_si(value: object, unit: str) -> float:
     return float(value)
 
 
+@lru_cache(maxsize=4096)
 def _parse(text: str, unit: str, accepted: str) -> float:
     import pint
 

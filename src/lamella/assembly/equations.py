@@ -187,6 +187,11 @@ class Equations:
         r, phi = self._reduced(point, q)
         return r, phi, k, j
 
+    def exact_matrix(self, point: Point, weights: Weights) -> tuple[Floats, Floats]:
+        """The values of the two matrices alone, as :meth:`linearise` gives them."""
+        q = self.coordinates(point)
+        return self.matrix.values(self.forces, self.loads, point, q, self._force_velocities(point), weights, q)
+
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.
 
@@ -209,6 +214,11 @@ class Equations:
             sizes = [(abs(phi[item.row]), kind) for kind, phi in violations.items() if abs(phi[item.row]) > tolerance]
             found += [f"{labels[item.row]} against {others}{kind} (by {size:.2g} of their size)" for size, kind in sizes[:1]]
         return "; ".join(found)
+
+    def same_coordinates(self, other: Equations) -> bool:
+        """Whether equal unknowns mean equal coordinates, velocities and accelerations as in other equations."""
+        mine, theirs = self.elimination, other.elimination
+        return mine.T is theirs.T and not (mine.moves or theirs.moves) and np.array_equal(self._fixed, other._fixed)
 
     def jacobian(self, point: Point) -> sparse.csr_array:
         """Phi_q T, shape (n_lam, n_u)."""

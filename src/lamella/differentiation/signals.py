@@ -48,6 +48,7 @@ class SignalDerivatives:
         held = tuple(f"{support.name}." for support in equations.model.supports)
         self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
         self._size = equations.model.magnitude
+        self._alike = [[side.equations.same_coordinates(equations) for side in each.sides] for each in neighbours]
         self._recorded = bool(names)
         self.at: list[float] = []
         self.values: dict[str, list[Floats]] = {name: [] for name in names}
@@ -61,10 +62,14 @@ class SignalDerivatives:
         if self._reactions is not None:
             self._reactions.look(point, state)
         found: dict[str, list[Floats]] = {name: [] for name in self._own}
-        for each, theirs, known in zip(self.neighbours, self._theirs, derivatives, strict=True):
+        alone = self._reactions is None  # else a state has reactions, which are each side's own
+        for each, theirs, alike, known in zip(self.neighbours, self._theirs, self._alike, derivatives, strict=True):
             change = self._change(state, known)
             ends, shares = self._along(each, state, change)
-            sides = [self._state(side.equations, point) for side in each.sides]
+            sides = [
+                state if alone and same else self._state(side.equations, point)
+                for side, same in zip(each.sides, alike, strict=True)
+            ]
             weights = [side.weight for side in each.sides]
             for name, signal in self._own.items():
                 here = _value(signal, state)
