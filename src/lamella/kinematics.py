@@ -67,9 +67,11 @@ class VectorRows:
 
 def _combined(a: VectorRows, b: VectorRows, factor: float) -> VectorRows:
     """a + factor b with each coordinate vector listed once and cancelled ones left out."""
-    vectors, inverse = np.unique(np.concatenate([a.vectors, b.vectors]), return_inverse=True)
-    weights = np.bincount(inverse, np.concatenate([a.weights, factor * b.weights]), minlength=len(vectors)).astype(float)
-    largest = max(np.abs(a.weights).max(initial=0.0), np.abs(b.weights).max(initial=0.0))
+    vectors, weights = np.concatenate([a.vectors, b.vectors]), np.concatenate([a.weights, factor * b.weights])
+    largest = np.abs(weights).max(initial=0.0)
+    if len(a.vectors) and len(b.vectors):
+        vectors, inverse = np.unique(vectors, return_inverse=True)
+        weights = np.bincount(inverse, weights, minlength=len(vectors)).astype(float)
     used = np.abs(weights) > 1e-14 * largest  # differences of equal weights are rounding
     return VectorRows(vectors[used], weights[used], a.constant + factor * b.constant)
 

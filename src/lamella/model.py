@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from lamella.body.rigid_frame import RigidFrame
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Build, DotRow, LinearRow, Sampler, ScalarField, Signal, Support, Trigger
 from lamella.errors import ModelError
-from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock
+from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock
 from lamella.state import State
 
 
@@ -26,7 +27,7 @@ class Model:
         v0: initial velocities, shape (n_q,).
         is_position: True for vectors that are positions, shape (n_q / 3,).
         magnitude: typical size of a change of each coordinate, shape (n_q,).
-        mass: the constant mass matrix M, sparse (n_q, n_q).
+        inertias: parts of the mass matrix.
         forces: blocks of internal forces.
         loads: blocks of external loads; statics scales them by the load factor.
         constraints: blocks with Lagrange multipliers; the dot rows of joints come first, then those of bodies.
@@ -52,7 +53,7 @@ class Model:
     v0: Floats
     is_position: Bools
     magnitude: Floats
-    mass: sparse.csr_array
+    inertias: tuple[InertiaBlock, ...]
     forces: tuple[ForceBlock, ...]
     loads: tuple[ForceBlock, ...]
     constraints: tuple[ConstraintBlock, ...]
@@ -94,6 +95,13 @@ class Model:
             reach = self.magnitude[3 * body.first]
             largest = max(largest, reach * float(moved[body.first + 1 : body.first + 4].max()))
         return largest
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """The constant mass matrix M, sparse (n_q, n_q)."""
+        shape = self.n_q, self.n_q
+        parts = [sparse.coo_array((m, (i, j)), shape=shape) for i, j, m in (block.mass() for block in self.inertias)]
+        return sparse.csr_array(sum(parts, start=sparse.coo_array(shape)))
 
     @property
     def n_q(self) -> int:
@@ -138,15 +146,12 @@ class Model:
         if build.n_vectors == 0:
             raise ModelError("the system has no body; add at least one, for example system.add(Plate(...))")
         _refuse_twins(build.signals)
-        n_q = 3 * build.n_vectors + sum(map(len, build.temperatures))
-        parts = [sparse.coo_array((m, (i, j)), shape=(n_q, n_q)) for i, j, m in (block.mass() for block in build.inertias)]
-        mass = sparse.csr_array(sum(parts, start=sparse.coo_array((n_q, n_q))))
         return cls(
             q0=np.concatenate([np.concatenate(build.q).reshape(-1), *build.temperatures]),
             v0=np.concatenate([np.concatenate(build.v).reshape(-1), *map(np.zeros_like, build.temperatures)]),
             is_position=np.concatenate(build.is_position),
             magnitude=np.concatenate([np.repeat(np.concatenate(build.magnitude), 3), *(f.magnitude for f in build.fields)]),
-            mass=mass,
+            inertias=tuple(build.inertias),
             forces=tuple(build.forces),
             loads=tuple(build.loads),
             constraints=_numbered(build),

@@ -36,7 +36,7 @@ KEEP_STEP = 1.2
 
 
 def simulate(
-    system: System | Model,
+    system: System | Model | Equations,
     t_end: float,
     integrator: Integrator,
     *,
@@ -53,7 +53,7 @@ def simulate(
     """Integrate the equations of motion from a consistent start.
 
     Args:
-        system: what moves; a :class:`System` is compiled first.
+        system: what moves; a :class:`System` is compiled first, and equations that exist already are taken as they are.
         t_end: end time [s].
         integrator: for example ``GeneralizedAlpha(dt=1e-3, rho_inf=0.9)``.
         t_start: time of the initial state [s].
@@ -84,10 +84,12 @@ def simulate(
         raise DeclarationError("simulate", f"stride = {stride}", "accepted is a number of steps, 1 or more")
     began = time.perf_counter()
     with compilation_notice(progress):
-        model = system.compile() if isinstance(system, System) else system
+        made = system.compile() if isinstance(system, System) else system
+        model = made.model if isinstance(made, Equations) else made
         refuse_spin(model, "simulate")
         model.reset()
-        equations, statistics = Equations(model), Statistics()
+        equations, statistics = made if isinstance(made, Equations) else Equations(model), Statistics()
+        equations.forget()
         linear = linear_solver(equations.matrix.pattern, solver)
         point, start = consistent_start(equations, linear, t_start, initial)
         if progress:

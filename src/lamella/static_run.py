@@ -44,7 +44,7 @@ class StaticRun:
     """What all static solutions share: equations, Newton, recording, critical points, and the end.
 
     Args:
-        system: what is loaded.
+        system: what is loaded; its equations, where these exist.
         t: time at which loads and motions are taken [s].
         newton: how each step is solved.
         solver: name of the linear solver.
@@ -53,16 +53,24 @@ class StaticRun:
     """
 
     def __init__(
-        self, system: System | Model, t: float, newton: Newton, solver: Method, axis: str, imperfection: Floats | None = None
+        self,
+        system: System | Model | Equations,
+        t: float,
+        newton: Newton,
+        solver: Method,
+        axis: str,
+        imperfection: Floats | None = None,
     ) -> None:
         self.began = time.perf_counter()
-        self.model = compiled(system, imperfection)
+        known = system if isinstance(system, Equations) and imperfection is None else None
+        self.model = compiled(system.model if isinstance(system, Equations) else system, imperfection)
         self.model.reset()
         if not self.model.rows and not self.model.constraints:
             raise ModelError(
                 "statics: nothing holds the system; add at least one support, for example Clamp(name, plate.edge('x-'))"
             )
-        self.equations, self.statistics = Equations(self.model), Statistics()
+        self.equations, self.statistics = known or Equations(self.model), Statistics()
+        self.equations.forget()
         linear = linear_solver(self.equations.matrix.pattern, solver)
         self.newton = NewtonSolver(self.equations, linear, newton, self.statistics)
         self.point = self.equations.start(t, factor=0.0, at_rest=True)

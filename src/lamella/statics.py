@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.critical import Branch
 from lamella.errors import DeclarationError
@@ -29,7 +30,7 @@ BRANCH_ITERATIONS = 30
 
 
 def equilibrium(
-    system: System | Model,
+    system: System | Model | Equations,
     *,
     t: float = 0.0,
     steps: Sequence[float] | int = 1,
@@ -52,7 +53,7 @@ def equilibrium(
     another: loads with different profiles are applied one after the other.
 
     Args:
-        system: what is loaded.
+        system: what is loaded; of equations that exist already, those are solved.
         t: time at which loads and motions are taken [s].
         steps: load factors to solve for, ascending, or a number of equal steps.
         times: ascending times [s]: after the load steps to the first of them, the result is over time; ``t`` is not used.

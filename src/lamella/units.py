@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field
@@ -49,6 +49,7 @@ def to_si(value: object, unit: str) -> float:
     return float(value)
 
 
+@lru_cache(maxsize=4096)
 def _parse(text: str, unit: str, accepted: str) -> float:
     import pint
 
@@ -84,8 +85,10 @@ def in_base_units(unit: str) -> tuple[float, dict[str, float]]:
     return float(found.magnitude), {name: float(power) for name, power in found.unit_items()}
 
 
-def _validator(unit: str) -> BeforeValidator:
+def _validator(unit: str, unlimited: bool) -> BeforeValidator:
     def convert(value: object) -> float:
+        if unlimited and isinstance(value, float) and value == math.inf:
+            return value
         try:
             return to_si(value, unit)
         except UnitError as error:
@@ -94,9 +97,12 @@ def _validator(unit: str) -> BeforeValidator:
     return BeforeValidator(convert, json_schema_input_type=float | str)
 
 
-def quantity(unit: str, **limits: float) -> Any:
-    """An annotated float in ``unit`` with optional limits (``gt``, ``ge``, ``lt``, ``le``) for declarations."""
-    return Annotated[float, Unit(unit), _validator(unit), Field(json_schema_extra={"unit": unit}, **limits)]  # type: ignore[arg-type]
+def quantity(unit: str, *, unlimited: bool = False, **limits: float) -> Any:
+    """An annotated float in ``unit`` with optional limits (``gt``, ``ge``, ``lt``, ``le``) for declarations.
+
+    With ``unlimited`` it may be infinite, as a bound that holds nothing back is.
+    """
+    return Annotated[float, Unit(unit), _validator(unit, unlimited), Field(json_schema_extra={"unit": unit}, **limits)]  # type: ignore[arg-type]
 
 
 if TYPE_CHECKING:

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 import lamella as lm
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import STATIC
+from lamella.assembly.product import TangentProduct
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 
@@ -199,3 +202,41 @@ def _meshed(elements: float) -> lm.System:
     plate.marker("tip", 0.5, 0.1)
     system.add(lm.Clamp("root", plate.edge("x-")))
     return system
+
+
+def test_models_beside_take_over_the_operators_of_supports() -> None:
+    base = Equations(panel().compile())
+    thicker = Equations(panel(thickness=3e-3).compile(), like=base)
+    tilted = Equations(panel(tilt=0.1).compile(), like=base)
+    alone = Equations(panel(thickness=3e-3).compile())
+    assert thicker.elimination.T is base.elimination.T
+    np.testing.assert_array_equal(thicker.elimination.constant, alone.elimination.constant)
+    assert thicker.same_coordinates(base)
+    assert not tilted.same_coordinates(base)  # the clamp holds the slopes at other values
+    point = alone.start(at_rest=True)
+    point.u += 1e-3 * np.sin(np.arange(len(point.u)))
+    np.testing.assert_allclose(thicker.residual(point)[0], alone.residual(point)[0], rtol=1e-12)
+
+
+def test_product_of_tangents_is_that_with_the_matrix() -> None:
+    system = mechanism()
+    run = lm.simulate(system, 0.03, lm.GeneralizedAlpha(dt=2e-3))
+    of = Equations(run.model, symmetric=False)
+    state = run.final
+    point = of.point_of(state, state.t)
+    x = np.cos(np.arange(of.n_u))
+    product = TangentProduct(of.model, of.forces, of.loads, of.constraints, point, state.q, state.v, STATIC)
+    expected = of.matrix.pattern.matrix(of.linearise(point, STATIC)[2].copy()) @ x
+    found = of.elimination.T.T @ product(of.expand(x))
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())  # sums in another order
+
+
+def test_runs_of_equations_are_those_of_their_model() -> None:
+    model = panel().compile()
+    equations = Equations(model)
+    for _ in range(2):  # what they remember of one run does not reach the next
+        still = lm.equilibrium(equations)
+        np.testing.assert_array_equal(still["tip.position"].values, lm.equilibrium(model)["tip.position"].values)
+    method = lm.GeneralizedAlpha(dt=2e-3)
+    moved, fresh = (lm.simulate(what, 0.01, method).history("tip.position").values for what in (equations, model))
+    np.testing.assert_array_equal(moved, fresh)

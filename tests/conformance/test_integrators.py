@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -313,3 +315,11 @@ def test_impossible_end_is_refused(t_end):
 def test_impossible_options_are_refused(options):
     with pytest.raises(DeclarationError, match="GeneralizedAlpha"):
         lm.GeneralizedAlpha(**options)
+
+
+@pytest.mark.parametrize("method", [lm.GeneralizedAlpha(1e-3), lm.BDF(1e-3)])
+def test_an_integrator_may_be_made_from_another(method: lm.GeneralizedAlpha | lm.BDF) -> None:
+    changed = replace(method, dt=5e-4)
+    assert (changed.dt, changed.dt_max) == (5e-4, np.inf)
+    with pytest.raises(DeclarationError, match="not finite"):
+        replace(method, dt=np.inf)

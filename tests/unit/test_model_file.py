@@ -12,11 +12,14 @@ from lamella.declaration import declaration
 from lamella.errors import DeclarationError, ModelFileError
 from lamella.io.analysis import Motion
 from lamella.io.annotation import concrete
+from lamella.io.document import Document
 from lamella.io.model_file import dumps, loads, read_model
-from lamella.io.schema import arguments, json_schema
+from lamella.io.schema import arguments, declaration_schema, json_schema
 from lamella.io.sections import SECTIONS
 from lamella.io.static_analysis import NaturalModes, Statics
+from lamella.optimisation.problem import Optimisation
 from lamella.roles import Declaration
+from lamella.sweep.study import ParameterStudy
 from lamella.templates import template, templates
 
 MODEL = """\
@@ -523,6 +526,34 @@ def test_schema_describes_units_defaults_and_references() -> None:
     assert schema["$defs"]["Clamp"]["required"] == ["type", "on"]
     for reference in [part["$ref"] for part in schema["properties"]["system"]["additionalProperties"]["anyOf"]]:
         assert reference.removeprefix("#/$defs/") in schema["$defs"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "example"),
+    [(ParameterStudy, "study", "layup_study/study"), (Optimisation, "optimize", "layup_optimisation/optimize")],
+)
+def test_schema_of_other_files_knows_the_keys_of_the_examples(kind: type, key: str, example: str) -> None:
+    schema = declaration_schema(kind, key, key)
+    json.dumps(schema, allow_nan=False)
+    given = Document.read(Path(lm.__file__).parent / "examples" / f"{example}.yaml").data
+    assert set(given) <= set(schema["properties"])
+    assert set(schema["required"]) <= set(given)
+    assert key in schema["required"]
+    assert schema["additionalProperties"] is False
+    for output in given["outputs"].values():
+        parts = schema["properties"]["outputs"]["additionalProperties"]["anyOf"]
+        known = [schema["$defs"][part["$ref"].removeprefix("#/$defs/")]["properties"] for part in parts]
+        assert any(set(output) <= set(each) for each in known)
+
+
+def test_a_text_that_is_read_again_is_as_before() -> None:
+    text = template("cantilever")
+    plain, changed = (loads(text, settings).text() for settings in ([], ["system.plate.mesh=[2, 1]"]))
+    assert plain != changed
+    for _ in range(2):
+        with pytest.raises(ModelFileError, match="meshh"):
+            loads(text, ["system.plate.meshh=3"])
+    assert loads(text).text() == plain
 
 
 def test_schema_says_how_bodies_joints_and_references_are_written() -> None:

@@ -208,3 +208,11 @@ def test_many_reference_points_are_thinned_out() -> None:
     assert 1001 / MOST_MARKERS <= many.get_markevery() <= 1001 / MOST_MARKERS + 1
     assert few.get_markevery() == 1
     assert figure.axes[0].get_xscale() == "log"
+
+
+@pytest.mark.parametrize(
+    ("name", "written"), [("manual", "manual.html"), ("manual.v2", "manual.v2.html"), ("page.htm", "page.htm")]
+)
+def test_a_manual_is_a_page_whatever_it_is_called(tmp_path: Path, name: str, written: str) -> None:
+    verify._manual(["beam"], fast=False, path=tmp_path / name).write()
+    assert [path.name for path in tmp_path.iterdir()] == [written]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
+from copy import copy
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -45,15 +46,29 @@ class Elimination:
 
     def __init__(self, T: sparse.csr_array, dependent: Ints, rows: Sequence[LinearRow], kept: Sequence[int]) -> None:
         self.n_q = n_q = len(T.indptr) - 1
-        self.T, self.kept, self.rows = T, tuple(kept), tuple(rows[number] for number in kept)
+        self.T, self.kept, self.dependent = T, tuple(kept), dependent
         self.independent = np.setdiff1d(np.arange(n_q), dependent)
-        self.C = C = _stacked(self.rows, n_q)
-        self.moving: Ints = np.array([k for k, row in enumerate(self.rows) if row.motion is not None], dtype=np.int64)
-        self._motions = [row.motion for row in self.rows if row.motion is not None]
-        self.dependent = dependent
+        self.C = C = _stacked([rows[number] for number in kept], n_q)
+        self._form = _form(rows)
+        self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
         self._inverse = linalg.splu(sparse.csc_array(C[:, dependent])) if kept else None
         self._gram = linalg.splu(sparse.csc_array(C @ C.T)) if kept else None
+        self._take(rows)
+
+    def _take(self, rows: Sequence[LinearRow]) -> None:
+        self.rows = tuple(rows[number] for number in self.kept)
+        self.moving: Ints = np.array([k for k, row in enumerate(self.rows) if row.motion is not None], dtype=np.int64)
+        self._motions = [row.motion for row in self.rows if row.motion is not None]
         self.relations = self._repeated(rows)
+
+    def of(self, rows: Sequence[LinearRow], n_q: int) -> Elimination | None:
+        """The elimination of rows with the same coefficients, which may be held at other values; None when these differ."""
+        same = n_q == self.n_q and all(map(np.array_equal, self._form, _form(rows)))
+        if not same:
+            return None
+        found = copy(self)
+        found._take(rows)
+        return found
 
     def _repeated(self, rows: Sequence[LinearRow]) -> tuple[dict[int, float], ...]:
         """The rows that are not kept as sums of those that are: x C_d = row_d in the dependent coordinates."""
@@ -121,6 +136,12 @@ class Elimination:
 
         It is the product with their rows of (C C^T)^-1 C, found once, unless these hold more numbers than the factorisation.
         """
+        key = rows.tobytes()
+        if key not in self._forces:
+            self._forces[key] = self._forces_of(rows)
+        return self._forces[key]
+
+    def _forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
         if self._gram is None or not len(rows):
             return lambda reaction: np.zeros(0)
         gram, parts = self._gram, []
@@ -135,7 +156,7 @@ class Elimination:
         return SumOperator(found)
 
 
-def eliminate(rows: Sequence[LinearRow], n_q: int, preferred: Collection[int] = ()) -> Elimination:
+def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = None) -> Elimination:
     """Reduce the rows to dependent coordinates expressed by independent ones.
 
     Each row, after substitution of what is already dependent, gives up the coordinate with its largest coefficient.
@@ -143,16 +164,19 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, preferred: Collection[int] = 
     Args:
         rows: the constraints.
         n_q: number of coordinates.
-        preferred: coordinates to give up before others: those that another model gives up, from which this one differs by little.
+        like: that of another model, from which this one differs by little: coordinates given up there are given up before others.
 
     Raises:
         ConstraintError: a row contradicts others.
     """
+    known = None if like is None else like.of(rows, n_q)
+    if known is not None:
+        return known
     solved: dict[int, Expression] = {}
     order: dict[int, int] = {}
     resolved: dict[int, Expression] = {}
     kept: list[int] = []
-    first = frozenset(preferred)
+    first = frozenset(() if like is None else like.dependent.tolist())
     for number, row in enumerate(rows):
         terms = _substitute(row, solved, order, resolved)
         if not terms:
@@ -228,11 +252,17 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     return sparse.csr_array(sparse.csr_array(sparse.vstack([sparse.eye_array(n_u), B]))[place])
 
 
-def _stacked(rows: Sequence[LinearRow], n_q: int) -> sparse.csr_array:
-    """Their coefficients, shape (n, n_q)."""
+def _form(rows: Sequence[LinearRow]) -> tuple[Ints, Ints, Floats]:
+    """Where each row starts, and all their coordinates and coefficients."""
     starts = np.cumsum([0, *(len(row.coords) for row in rows)])
     coords = np.concatenate([np.zeros(0, np.int64), *(row.coords for row in rows)])
     coefs = np.concatenate([np.zeros(0), *(row.coefs for row in rows)])
+    return starts, coords, coefs
+
+
+def _stacked(rows: Sequence[LinearRow], n_q: int) -> sparse.csr_array:
+    """Their coefficients, shape (n, n_q)."""
+    starts, coords, coefs = _form(rows)
     found = sparse.csr_array((coefs, coords, starts), shape=(len(rows), n_q))
     found.sum_duplicates()
     return found

@@ -37,13 +37,15 @@ class Equations:
 
     def __init__(self, model: Model, symmetric: bool | None = None, like: Equations | None = None) -> None:
         self.model = model
-        self.elimination = eliminate(model.rows, model.n_q, () if like is None else like.elimination.dependent.tolist())
+        self.elimination = eliminate(model.rows, model.n_q, None if like is None else like.elimination)
         self.n_u = len(self.elimination.independent)
         self.magnitude = model.magnitude[self.elimination.independent]
         self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))
         """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
-        self.forces, self.loads = ForceSum(model.forces, model.n_q, T), ForceSum(model.loads, model.n_q, T)
+        known = like if like is not None and T is like.elimination.T else None
+        self.forces = ForceSum(model.forces, model.n_q, T, None if known is None else known.forces)
+        self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
         self.constraints = ConstraintStack(model.constraints)
         self.notes: list[str] = list(model.notes)
         """What the user should know about the equations."""
@@ -52,10 +54,10 @@ class Equations:
         blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
-        self.expand, self._gather = SumOperator(T), SumOperator(sparse.csr_array(T.T))
+        self.expand = known.expand if known else SumOperator(T)
+        self._gather = known._gather if known else SumOperator(sparse.csr_array(T.T))
         self._fixed = self.elimination.particular(self.elimination.constant)
-        self._source, self._mass = SumOperator(self.elimination.of_motions), mass_operator(model.mass)
-        self._inertia = self._inertia_operator(T)
+        self._source = SumOperator(self.elimination.of_motions)
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = lru_cache(4)(self._moved_at), lru_cache(4)(self._carried_at)
         self._row_size = np.zeros(0)
@@ -185,6 +187,11 @@ class Equations:
         r, phi = self._reduced(point, q)
         return r, phi, k, j
 
+    def exact_matrix(self, point: Point, weights: Weights) -> tuple[Floats, Floats]:
+        """The values of the two matrices alone, as :meth:`linearise` gives them."""
+        q = self.coordinates(point)
+        return self.matrix.values(self.forces, self.loads, point, q, self._force_velocities(point), weights, q)
+
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.
 
@@ -207,6 +214,11 @@ class Equations:
             sizes = [(abs(phi[item.row]), kind) for kind, phi in violations.items() if abs(phi[item.row]) > tolerance]
             found += [f"{labels[item.row]} against {others}{kind} (by {size:.2g} of their size)" for size, kind in sizes[:1]]
         return "; ".join(found)
+
+    def same_coordinates(self, other: Equations) -> bool:
+        """Whether equal unknowns mean equal coordinates, velocities and accelerations as in other equations."""
+        mine, theirs = self.elimination, other.elimination
+        return mine.T is theirs.T and not (mine.moves or theirs.moves) and np.array_equal(self._fixed, other._fixed)
 
     def jacobian(self, point: Point) -> sparse.csr_array:
         """Phi_q T, shape (n_lam, n_u)."""
@@ -239,8 +251,15 @@ class Equations:
         """M v in all coordinates, shape (n_q,)."""
         return self._mass(v)
 
-    def _inertia_operator(self, T: sparse.csr_array) -> Callable[[Floats], Floats]:
+    @cached_property
+    def _mass(self) -> Callable[[Floats], Floats]:
+        """M in all coordinates; made when first needed, as the next, since statics needs neither."""
+        return mass_operator(self.model.mass)
+
+    @cached_property
+    def _inertia(self) -> Callable[[Floats], Floats]:
         """T^T M T; where it does not go by vectors but M does, three products are faster than one."""
+        T = self.elimination.T
         whole = mass_operator(sparse.csr_array(T.T @ self.model.mass @ T))
         if isinstance(whole, VectorOperator) or not isinstance(self._mass, VectorOperator):
             return whole

@@ -21,9 +21,13 @@ class ForceSum:
         blocks: the blocks.
         n_q: number of coordinates.
         T: map from independent to all coordinates, (n_q, n_u); the identity when left out.
+        like: the sum of other blocks with the same ``T``; where these have their buffers' entries at the same places, its
+            operators serve here as well.
     """
 
-    def __init__(self, blocks: Sequence[ForceBlock], n_q: int, T: sparse.csr_array | None = None) -> None:
+    def __init__(
+        self, blocks: Sequence[ForceBlock], n_q: int, T: sparse.csr_array | None = None, like: ForceSum | None = None
+    ) -> None:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)
         self.buffer = np.zeros(int(ends[-1]) if blocks else 0)
         self.parts = [(block, self.buffer[end - len(block.f_coords) : end]) for block, end in zip(blocks, ends, strict=True)]
@@ -33,6 +37,10 @@ class ForceSum:
         self._in_independent: Floats | None = None
         coords = np.concatenate([np.zeros(0, np.int64), *(block.f_coords for block in blocks)])
         factors = np.concatenate([np.zeros(0), *(block.f_scale for block in blocks)])
+        self._form = coords, factors
+        if like is not None and all(map(np.array_equal, self._form, like._form)):
+            self._sum, self._reduce = like._sum, like._reduce
+            return
         used = np.flatnonzero(coords >= 0)
         entries = sparse.coo_array((factors[used], (coords[used], used)), shape=(n_q, len(self.buffer)))
         self._sum = SumOperator(entries)

@@ -16,9 +16,11 @@ def _rows(indptr: Ints) -> Ints:
     return np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pattern:
     """Where the entries of K and of the constraint Jacobian J = Phi_q (after elimination) stand, in compressed rows.
+
+    A pattern is equal to itself alone, so that what is found for it can be kept with it.
 
     Args:
         n: number of independent coordinates.

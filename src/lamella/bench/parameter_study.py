@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import tempfile
 import time
@@ -54,15 +55,24 @@ def run(runs: int) -> Iterator[Row]:
         rows = enumerate(chosen.rows(), start=1)
         tasks = [Task(k, checked.text, "strip", Path(folder), chosen.settings(row), chosen.outputs) for k, row in rows]
         run_task(tasks[0])  # loads or compiles kernels
-        start = time.perf_counter()
+        start, used = time.perf_counter(), _cpu_time()
         for task in tasks:
             run_task(task)
-        serial = (time.perf_counter() - start) / WORKERS
-        start = time.perf_counter()
+        serial, alone = (time.perf_counter() - start) / WORKERS, _cpu_time() - used
+        start, used = time.perf_counter(), _cpu_time()
         lm.run_parameter_study(chosen, Path(folder) / "out", pictures=False)
-        parallel = time.perf_counter() - start
+        parallel, together = time.perf_counter() - start, _cpu_time() - used
     what = f"{len(tasks)} runs of {STEPS} steps"
-    load = f"elapsed time; load average at the end {os.getloadavg()[0]:.1f}"
+    load = f"elapsed time; load average at the end {os.getloadavg()[0]:.1f}; CPU time {alone:.3g} s"
+    all_cpu = f"CPU time of all processes {together:.3g} s, {together / alone:.3g} of that one after another"
     own = Row(case=CASE, code=f"one after another, over {WORKERS}", what=what, time=serial, unit="s", note=load)
     yield own
-    yield Row(case=CASE, code=f"study on {WORKERS} workers", what=what, time=parallel, unit="s").beside(own)
+    yield Row(case=CASE, code=f"study on {WORKERS} workers", what=what, time=parallel, unit="s", note=all_cpu).beside(own)
+
+
+def _cpu_time() -> float:
+    """CPU time of this process and of those it has started and that have ended [s]; others on the machine do not add to it."""
+    for child in multiprocessing.active_children():
+        child.join()
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system

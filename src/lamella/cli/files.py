@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from lamella.errors import ResultFileError
+from lamella.errors import DeclarationError, ResultFileError
 from lamella.examples import example, examples
 from lamella.templates import template, templates
 
 SCHEMA_LINE = "# yaml-language-server: $schema="
 SCHEMA_NAME = "lamella.schema.json"
+KINDS = ("model", "study", "optimize")
+"""Files that have a schema, by the commands' names."""
 
 
 def list_templates() -> None:
@@ -48,19 +50,34 @@ def copy_example(name: str, folder: Path | None) -> None:
         print(f"wrote {path}")
 
 
-def write_schema(out: Path | None) -> None:
-    """Print the model file's JSON Schema, or write it to ``out``."""
+def write_schema(out: Path | None, kind: str = "model") -> None:
+    """Print the JSON Schema of a kind of file, or write it to ``out``.
+
+    Raises:
+        DeclarationError: there is no such kind.
+    """
+    text = _schema_text(kind)
     if out is None:
-        print(_schema_text(), end="")
+        print(text, end="")
     else:
-        _write(out, _schema_text())
+        _write(out, text)
         print(f"wrote {out}")
 
 
-def _schema_text() -> str:
-    from lamella.io.schema import json_schema
+def _schema_text(kind: str = "model") -> str:
+    from lamella.io.schema import declaration_schema, json_schema
+    from lamella.optimisation.problem import Optimisation
+    from lamella.sweep.study import ParameterStudy
 
-    return json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
+    if kind == "study":
+        schema = declaration_schema(ParameterStudy, "study", "lamella study file")
+    elif kind == "optimize":
+        schema = declaration_schema(Optimisation, "optimize", "lamella optimisation file")
+    elif kind == "model":
+        schema = json_schema()
+    else:
+        raise DeclarationError("lamella schema", f"--of {kind}", f"accepted is {', '.join(KINDS)}")
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
 def _write(path: Path, text: str) -> None:

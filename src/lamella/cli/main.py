@@ -263,11 +263,12 @@ def doctor() -> None:
 @app.command()
 def schema(
     out: Annotated[Path | None, typer.Argument(help="The file to write; printed when left out.")] = None,
+    of: Annotated[str, typer.Option("--of", help="The kind of file: model, study or optimize.")] = "model",
 ) -> None:
-    """Write the JSON Schema of the model file, for completion and checking in editors."""
+    """Write the JSON Schema of a model, study or optimisation file, for completion and checking in editors."""
     from lamella.cli.files import write_schema
 
-    write_schema(out)
+    write_schema(out, of)
 
 
 def run_app(arguments: list[str] | None = None) -> int:

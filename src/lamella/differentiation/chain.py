@@ -75,7 +75,7 @@ class Chain:
             self._modes(analysis, outputs)
 
     def _statics(self, analysis: Statics, outputs: Mapping[str, StudyOutput]) -> None:
-        result = self._completed(analysis, analysis.run(self.model, self.computed, 1, self.sinks()))
+        result = self._completed(analysis, analysis.run(self.equations, self.computed, 1, self.sinks()))
         point = self.equations.point_of(result.final, result.final.t)
         point.at_rest, point.factor = True, result.final.factor
         found = static_derivatives(ExactMatrix(self.equations), point, self.neighbours)
@@ -98,7 +98,7 @@ class Chain:
 
         method = DifferentiatedAlpha(analysis.integrator, self.neighbours, start, sample)
         run = replace(analysis, integrator=method)
-        result = self._completed(analysis, run.run(self.model, self.computed, 1, self.sinks()))
+        result = self._completed(analysis, run.run(self.equations, self.computed, 1, self.sinks()))
         point, self.ends[analysis.name] = last[0]
         if others:
             steps = len(signals.at)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -62,11 +63,14 @@ class Neighbours:
         first, *others = (side.weight * evaluate(side) for side in self.sides)
         return sum(others, start=first)
 
+    @cached_property
+    def _remembering(self) -> list[list[ForceBlock | ConstraintBlock]]:
+        models = [side.equations.model for side in self.sides]
+        return [[block for block in (*m.forces, *m.loads, *m.constraints) if _remembers(block)] for m in models]
+
     def settle(self, t: float, coordinates: Callable[[Side], Floats]) -> None:
         """Tell blocks with a discrete state the coordinates that were accepted at each side."""
-        for side in self.sides:
-            model = side.equations.model
-            blocks = [block for block in (*model.forces, *model.loads, *model.constraints) if _remembers(block)]
+        for side, blocks in zip(self.sides, self._remembering, strict=True):
             q = coordinates(side) if blocks else np.zeros(0)
             for block in blocks:
                 block.settle(t, q)

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import sparse
 
 from lamella.assembly.equations import Equations
-from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.point import STATIC, Point, Weights
+from lamella.assembly.product import TangentProduct
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.solution import PointDerivative
 from lamella.dofs import Signal
@@ -49,6 +48,7 @@ class SignalDerivatives:
         held = tuple(f"{support.name}." for support in equations.model.supports)
         self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
         self._size = equations.model.magnitude
+        self._alike = [[side.equations.same_coordinates(equations) for side in each.sides] for each in neighbours]
         self._recorded = bool(names)
         self.at: list[float] = []
         self.values: dict[str, list[Floats]] = {name: [] for name in names}
@@ -62,10 +62,14 @@ class SignalDerivatives:
         if self._reactions is not None:
             self._reactions.look(point, state)
         found: dict[str, list[Floats]] = {name: [] for name in self._own}
-        for each, theirs, known in zip(self.neighbours, self._theirs, derivatives, strict=True):
+        alone = self._reactions is None  # else a state has reactions, which are each side's own
+        for each, theirs, alike, known in zip(self.neighbours, self._theirs, self._alike, derivatives, strict=True):
             change = self._change(state, known)
             ends, shares = self._along(each, state, change)
-            sides = [self._state(side.equations, point) for side in each.sides]
+            sides = [
+                state if alone and same else self._state(side.equations, point)
+                for side, same in zip(each.sides, alike, strict=True)
+            ]
             weights = [side.weight for side in each.sides]
             for name, signal in self._own.items():
                 here = _value(signal, state)
@@ -103,37 +107,34 @@ class SignalDerivatives:
 
 
 class Reactions:
-    """How the reaction of eliminated constraints follows a change of the state, by the matrices in all coordinates.
+    """How the reaction of eliminated constraints follows a change of the state, by the tangents in all coordinates.
 
     Args:
         equations: of the model.
     """
 
     def __init__(self, equations: Equations) -> None:
-        self.equations, n = equations, equations.model.n_q
-        identity = sparse.csr_array(sparse.eye_array(n))
-        self._assembly = MatrixAssembly(equations.model, equations.constraints, identity, n, symmetric=False)
+        self.equations = equations
 
     def look(self, point: Point, state: State) -> None:
-        """Take the matrices at a point."""
+        """Take the tangents at a point."""
         self._point, self._q = point, state.q
-        self._K = self._matrix(STATIC, state)
-        self._D = self._matrix(RATES, state) if self.equations.depends_on_velocity else None
+        self._K = self._tangent(STATIC, state)
+        self._D = self._tangent(RATES, state) if self.equations.depends_on_velocity else None
 
     def change(self, change: State, dlam: Floats) -> Floats:
         """Change of the generalised reaction."""
-        equations, total = self.equations, self._K @ change.q
+        equations, total = self.equations, self._K(change.q)
         if self._D is not None:
-            total += self._D @ change.v
+            total += self._D(change.v)
         if not self._point.at_rest:
             total += equations.momentum(change.a)
         equations.constraints.add_force(self._point.t, self._q, dlam, total)
         return total
 
-    def _matrix(self, weights: Weights, state: State) -> sparse.csr_array:
-        equations = self.equations
-        k, _ = self._assembly.values(equations.forces, equations.loads, self._point, state.q, state.v, weights, state.q)
-        return self._assembly.pattern.matrix(k.copy())
+    def _tangent(self, weights: Weights, state: State) -> TangentProduct:
+        of = self.equations
+        return TangentProduct(of.model, of.forces, of.loads, of.constraints, self._point, state.q, state.v, weights)
 
 
 def _chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:

@@ -56,7 +56,7 @@ class ExactMatrix:
         Raises:
             ModelError: it is singular, so that the solution is not differentiable.
         """
-        _, _, k, j = self.equations.linearise(point, weights)
+        k, j = self.equations.exact_matrix(point, weights)
         try:
             self.linear.factorise(k, j)
         except SingularSystemError as error:

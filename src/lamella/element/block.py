@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from lamella.element.base import ElementSpec
@@ -50,8 +52,26 @@ class ElementBlock(ForceBlock):
         self.n_element, self.n_block = len(coords), n_blocks(len(coords))
         self._index, self._scale = packed_indices(coords), packed(scale)
         self.f_coords, self.f_scale = packed_targets(coords), self._scale
-        self.k_rows, self.k_cols = packed_targets(coords[:, rows]), packed_targets(coords[:, columns])
-        self.k_scale = packed(scale[:, rows] * scale[:, columns])
+        self._coords = coords
+
+    @cached_property
+    def k_rows(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride] -- made when a matrix is first assembled
+        """Global coordinate of the row of each entry of the tangent buffer, shape (n_k,)."""
+        return packed_targets(self._coords[:, self.rows])
+
+    @cached_property
+    def k_cols(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The same of its column."""
+        return packed_targets(self._coords[:, self.columns])
+
+    @cached_property
+    def k_scale(self) -> Floats:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Factor of each entry, shape (n_k,)."""
+        return packed(self.element_scale[:, self.rows] * self.element_scale[:, self.columns])
+
+    @property
+    def depends_on_time_alone(self) -> bool:
+        return not len(self.rows) and not self.depends_on_velocity
 
     def matrices(self, k: Floats) -> Floats:
         """Matrices in unscaled coordinates and element order, shape (n_element, n, n), from the buffer of a symmetric tangent."""

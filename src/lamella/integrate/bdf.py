@@ -22,9 +22,10 @@ from lamella.solve.newton import Newton, NewtonSolver
 from lamella.units import quantity
 
 if TYPE_CHECKING:
-    Step = Tolerance = float
+    Step = Longest = Tolerance = float
 else:
     Step = quantity("s", gt=0)
+    Longest = quantity("s", gt=0, unlimited=True)
     Tolerance = Annotated[float, Field(gt=0, lt=1)]
 
 BDF_NEWTON = Newton(tolerance=1e-3, max_iterations=50, keep=0.6)
@@ -75,7 +76,7 @@ class BDF(Integrator):
     tolerance: Tolerance | None = 1e-5
     max_order: Annotated[int, Field(ge=1, le=5)] = 2
     dt_min: Step = 0.0
-    dt_max: Step = np.inf
+    dt_max: Longest = np.inf
     newton: Newton = BDF_NEWTON
     type: Literal["bdf"] = "bdf"
 

@@ -23,9 +23,10 @@ from lamella.solve.newton import Newton, NewtonSolver
 from lamella.units import quantity
 
 if TYPE_CHECKING:
-    Step = Tolerance = float
+    Step = Longest = Tolerance = float
 else:
     Step = quantity("s", gt=0)
+    Longest = quantity("s", gt=0, unlimited=True)
     Tolerance = Annotated[float, Field(gt=0, lt=1)]
 
 
@@ -77,7 +78,7 @@ class GeneralizedAlpha(Integrator):
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
     tolerance: Tolerance | None = None
     dt_min: Step = 0.0
-    dt_max: Step = np.inf
+    dt_max: Longest = np.inf
     newton: Newton = DYNAMIC_NEWTON
     stabilised: bool = False
     heat: Literal["generalized_alpha", "central_difference"] = "generalized_alpha"

@@ -114,7 +114,7 @@ class Motion(Analysis):
     def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
         return model_of(self, self.start, earlier) or model
 
-    def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
+    def run(self, model: Model | Equations, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
         initial = state_of(self, self.start, earlier)
         return simulate(
             model,

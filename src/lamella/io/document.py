@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 import reprlib
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,12 @@ class Document:
         except UnicodeDecodeError as error:
             raise ModelFileError(f"{path} is not a text file in UTF-8 (byte {error.start}); expected is a model file") from error
         return cls(text, str(path), path.parent)
+
+    def copy(self) -> Document:
+        """The document as it is now; overrides and problems of the two are their own."""
+        found = copy(self)
+        found.problems, found._overrides, found._lines = [*self.problems], {**self._overrides}, {**self._lines}
+        return found
 
     def _compose(self, text: str) -> Node:
         try:
@@ -219,6 +226,15 @@ def plain_value(text: str) -> Any:
     document = Document(f"value: {text}", f"'{text}'")
     document.check()
     return document.data["value"]
+
+
+@lru_cache(maxsize=4)
+def parsed(text: str, name: str, folder: Path | None = None) -> Document:
+    """The document of a text, of which the last few are kept: studies and gradients read the same one again and again.
+
+    It is not to be written to; take a copy.
+    """
+    return Document(text, name, folder)
 
 
 @cache

@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from lamella.errors import ModelFileError
 from lamella.io.analysis import Analysis, Output
-from lamella.io.document import Document, key_path, plain_value, shown
+from lamella.io.document import Document, key_path, parsed, plain_value, shown
 from lamella.io.reader import FAILED, suggestion
 from lamella.io.references import Items
 from lamella.io.sections import FORMAT, SECTIONS
@@ -73,7 +73,7 @@ def loads(text: str, overrides: Sequence[str] = (), name: str = "model", folder:
     Raises:
         ModelFileError: as :func:`read_model`.
     """
-    return _model(Document(text, name, folder), overrides)
+    return _model(parsed(text, name, folder).copy(), overrides)
 
 
 def _model(document: Document, overrides: Sequence[str]) -> ModelFile:

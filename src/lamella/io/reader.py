@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Callable, Iterable
+from functools import cache
 from typing import Any, Final
 
 from pydantic import TypeAdapter, ValidationError
@@ -147,7 +148,7 @@ class Reader:
         if length is not None and isinstance(data, list) and len(data) != length:
             return self._fail(place, f"the list has {len(data)} items; accepted are {length}")
         try:
-            return TypeAdapter(narrowed).validate_python(data)
+            return _adapter(narrowed).validate_python(data)
         except ValidationError as error:
             for details in error.errors():
                 inner = _inside(details["loc"], data)
@@ -159,6 +160,11 @@ class Reader:
     def _fail(self, place: Place, text: str) -> Any:
         self.document.problem(place, text)
         return FAILED
+
+
+@cache
+def _adapter(annotation: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(annotation)
 
 
 def accepted(allowed: Options) -> str:

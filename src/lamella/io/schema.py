@@ -16,6 +16,7 @@ from lamella.io.table_file import FILE, SCHEMA
 from lamella.math.profile import Constant
 from lamella.math.table import Table
 
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
 NAME = r"^[^\W\d][\w-]*$"
 QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*[^\s\d].*)?$"
 
@@ -25,7 +26,7 @@ def json_schema() -> dict[str, Any]:
     definitions: dict[str, Any] = {}
     properties = {name: _section(section, definitions) for name, section in SECTIONS.items()}
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": DRAFT,
         "title": "lamella model file",
         "description": "A flexible multibody system, what is computed with it, and what is written.",
         "type": "object",
@@ -34,6 +35,15 @@ def json_schema() -> dict[str, Any]:
         "additionalProperties": False,
         "$defs": definitions,
     }
+
+
+def declaration_schema(kind: type, key: str, title: str) -> dict[str, Any]:
+    """The schema of a file that holds one declaration, whose first line is ``key: 1``: a study or an optimisation."""
+    definitions: dict[str, Any] = {}
+    found = _definition(kind, definitions, False)
+    found["properties"].pop(tag_of(kind)[0])  # such a file is told by its first line
+    found["required"] = [key, *(name for name in found["required"] if name in found["properties"])]
+    return {"$schema": DRAFT, "title": title, **found, "$defs": definitions}
 
 
 def arguments(cls: type) -> dict[str, str]:

@@ -126,7 +126,7 @@ class Statics(Analysis):
     def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
         return compiled(model, None if self.imperfection is None else self.imperfection.of_earlier(self, earlier))
 
-    def run(self, model: Model, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
+    def run(self, model: Model | Equations, earlier: Mapping[str, Computed], frames: int, sinks: Sequence[Sink]) -> Result:
         return equilibrium(
             model,
             t=self.time,

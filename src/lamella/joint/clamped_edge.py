@@ -71,7 +71,7 @@ def clamped_rows(
     mesh, motions, initial = edge.body.compiled(build), motions or {}, build.initial
     held = _HELD["full" if mesh.strain == "rigid" else kind]
     roles = dict(zip(mesh.edge_slope(edge.side), ("along", "across"), strict=True))
-    axes = edge_axes(mesh, edge, initial)
+    axes = {} if set(held.values()) == {"all"} else edge_axes(mesh, edge, initial)
     if held["r"] != "all":
         _check_straight(item, edge, axes)
         axes = dict.fromkeys(axes, next(iter(axes.values())))  # rounding apart they are the same
@@ -85,12 +85,14 @@ def clamped_rows(
     vectors = node_vectors(mesh, edge)
     for (node, name), vector in vectors.items():
         position, label = name == "r", f"{name} at node {node} of edge {edge} {where}"
-        moved, at = vector - frame.origin if position else vector, axes[node]
+        moved = vector - frame.origin if position else vector
         letters = held[roles.get(name, name)]
         if letters == "all":
             fixed = vanishing(moved - carried(initial, moved.at(initial), frame), label)
             rows += [replace(row, motion=motions.get(axis) if position else None) for row, axis in zip(fixed, "xyz", strict=True)]
-        elif name == "r_xy" and np.any(at.n_s):
+            continue
+        at = axes[node]
+        if name == "r_xy" and np.any(at.n_s):
             n, n_s = carried(initial, at.n, frame), carried(initial, at.n_s, frame)
             across = vectors[node, mesh.edge_slope(edge.side)[1]]
             rows.append(DotRow(f"{_WORDS['n']} of {label}", ((1.0, vector, n), (1.0, across, n_s))))

@@ -67,6 +67,8 @@ def hold_edge(
 
 def carried(initial: Floats, value: Floats, frame: Frame) -> VectorRows:
     """A vector with constant components in a frame that has the given value in the reference configuration."""
+    if not any(len(axis.vectors) for axis in frame.axes):  # fixed in space
+        return VectorRows.fixed(value)
     components = frame.rotation(initial).T @ value
     carried = VectorRows.fixed(np.zeros(3))
     for c, axis in zip(components.tolist(), frame.axes, strict=True):

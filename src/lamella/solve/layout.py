@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
@@ -159,3 +161,13 @@ class FrontLayout:
         limits = np.zeros(len(self.coordinate))
         limits[self.diagonal_position] = tolerance * np.abs(k[self.diagonal])
         return limits
+
+
+_LAYOUTS: WeakKeyDictionary[Pattern, FrontLayout] = WeakKeyDictionary()
+
+
+def layout_of(pattern: Pattern) -> FrontLayout:
+    """The layout for a pattern: solvers of the same equations share one, which takes the time of some ten factorisations."""
+    if pattern not in _LAYOUTS:
+        _LAYOUTS[pattern] = FrontLayout(pattern)
+    return _LAYOUTS[pattern]

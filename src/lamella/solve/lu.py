@@ -10,7 +10,7 @@ from lamella.roles import Floats, Ints
 from lamella.solve import front_solution, lu_kernels
 from lamella.solve.base import PIVOT_TOLERANCE
 from lamella.solve.front_kernels import BLOCK
-from lamella.solve.layout import FrontLayout
+from lamella.solve.layout import layout_of
 
 
 class MultifrontalLU:
@@ -30,7 +30,7 @@ class MultifrontalLU:
 
     def __init__(self, pattern: Pattern, sources: Ints) -> None:
         self.pattern = pattern
-        self._layout = layout = FrontLayout(pattern)
+        self._layout = layout = layout_of(pattern)
         self.cost, self.size = 2.0 * layout.cost, 2 * layout.size
         self.n, self.position, self.magnitude = len(layout.coordinate), layout.position, np.zeros(len(layout.coordinate))
         # Entries front after front, each with its place in the panels of L, or behind them in those of U^T.

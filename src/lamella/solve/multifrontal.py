@@ -9,7 +9,7 @@ from lamella.lane import WIDTH
 from lamella.roles import Floats
 from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
-from lamella.solve.layout import FrontLayout
+from lamella.solve.layout import layout_of
 
 
 class Multifrontal(SymmetricFactor):
@@ -24,7 +24,7 @@ class Multifrontal(SymmetricFactor):
 
     def __init__(self, pattern: Pattern) -> None:
         self.pattern = pattern
-        self._layout = layout = FrontLayout(pattern)
+        self._layout = layout = layout_of(pattern)
         self.cost, self.size = layout.cost, layout.size
         self._a, self._u = np.zeros(layout.size + WIDTH), np.zeros(layout.update_size)
         self._signs = np.ones(len(layout.coordinate))

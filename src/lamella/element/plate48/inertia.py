@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.shape import Plate48, gauss_points
-from lamella.element.plate48.surface import derivatives_at_points, reference_surface
+from lamella.element.plate48.surface import derivatives_at_points, normal_and_area
 from lamella.errors import ModelError
 from lamella.roles import Floats, InertiaBlock, Ints
 
@@ -46,13 +48,17 @@ class ShellInertia(InertiaBlock):
         if not np.all(density > 0):
             raise ModelError(f"{name}: mass per area is {density.min():g} kg/m^2; accepted is a positive number")
         xi, eta, weights = gauss_points(n_gauss)
-        shape = element.shape(xi, eta)
+        self._shape = shape = element.shape(xi, eta)
         rest = np.asarray(reference, float) * scale
-        area = reference_surface(name, derivatives_at_points(shape, rest)).area
-        matrices = np.einsum("eg,gi,gj->eij", density[:, None] * weights * area, shape[0], shape[0], optimize=True)
-        factors = np.asarray(scale, float)[:, ::3]
-        self._values = matrices * factors[:, :, None] * factors[:, None, :]
+        _, area = normal_and_area(name, derivatives_at_points(shape[:3], rest))
+        self._weights = density[:, None] * weights * area
+        self._factors = np.asarray(scale, float)[:, ::3]
         self._coords = np.asarray(coords, np.int64).reshape(-1, element.n_shape, 3)
+
+    @cached_property
+    def _values(self) -> Floats:
+        matrices = np.einsum("eg,gi,gj->eij", self._weights, self._shape[0], self._shape[0], optimize=True)
+        return matrices * self._factors[:, :, None] * self._factors[:, None, :]
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
         """Rows, columns and values of all entries."""

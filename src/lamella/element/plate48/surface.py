@@ -89,6 +89,21 @@ def reference_surface(item: str, derivatives: Floats, direction: Floats | None =
         ModelError: the reference surface has no normal at a point of an element, or the direction is normal to it there.
     """
     r_x, r_y, r_xx, r_xy, r_yy = derivatives[1:]
+    normal, area = normal_and_area(item, derivatives)
+    n0 = normal / area[..., None]
+    first = np.stack([(r_x * r_x).sum(-1), (r_y * r_y).sum(-1), (r_x * r_y).sum(-1)], axis=-1)
+    second = np.stack([(r_xx * n0).sum(-1), (r_yy * n0).sum(-1), (r_xy * n0).sum(-1)], axis=-1)
+    axis = r_x if direction is None else _projected(item, direction, derivatives[0], n0)
+    return ReferenceSurface(area, first, second, _strain_transform(r_x, r_y, n0, area, axis))
+
+
+def normal_and_area(item: str, derivatives: Floats) -> tuple[Floats, Floats]:
+    """R_xi x R_eta and its length, the area for a unit of xi eta; arguments as those of :func:`reference_surface`.
+
+    Raises:
+        ModelError: the reference surface has no normal at a point of an element.
+    """
+    r_x, r_y = derivatives[1:3]
     normal = np.cross(r_x, r_y)
     area = np.linalg.norm(normal, axis=-1)
     lengths = np.linalg.norm(r_x, axis=-1) * np.linalg.norm(r_y, axis=-1)
@@ -97,11 +112,7 @@ def reference_surface(item: str, derivatives: Floats, direction: Floats | None =
         raise ModelError(
             f"{item}: element {bad[0, 0]} has no area in the reference configuration; r_x and r_y must not be parallel"
         )
-    n0 = normal / area[..., None]
-    first = np.stack([(r_x * r_x).sum(-1), (r_y * r_y).sum(-1), (r_x * r_y).sum(-1)], axis=-1)
-    second = np.stack([(r_xx * n0).sum(-1), (r_yy * n0).sum(-1), (r_xy * n0).sum(-1)], axis=-1)
-    axis = r_x if direction is None else _projected(item, direction, derivatives[0], n0)
-    return ReferenceSurface(area, first, second, _strain_transform(r_x, r_y, n0, area, axis))
+    return normal, area
 
 
 def _projected(item: str, direction: Floats, places: Floats, n0: Floats) -> Floats:
