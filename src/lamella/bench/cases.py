@@ -19,8 +19,8 @@ class Case:
 
 
 CASES = {
-    "p1-static": Case("composite cantilever in equilibrium to 0.2 %, beside Exudyn and CalculiX", static.run),
-    "p1-motion": Case("composite cantilever under a sudden force, beside Exudyn", motion.p1),
+    "p1-static": Case("composite cantilever in equilibrium to 0.2 %, beside Exudyn, CalculiX and Kratos", static.run),
+    "p1-motion": Case("composite cantilever under a sudden force, beside Exudyn and Kratos", motion.p1),
     "p2-motion": Case("plate pinned at its corners under a sudden force, beside Exudyn", motion.p2),
     "array-motion": Case("unfolding solar array, flexible and rigid", array.run),
     "kernels": Case("element kernels", kernels.run),
