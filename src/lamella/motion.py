@@ -31,6 +31,10 @@ BEFORE_JUMP = 1e-9
 """Share of the step by which the last one before a jump stays short of it, so that it does not feel what begins there."""
 VIOLATED = 1e-6
 """Violation of a constraint, relative to the size of the bodies, that is no rounding of the constraints it follows from."""
+HARD = 12
+"""Newton iterations after which a step does not grow: a longer one would take more still, or fail."""
+WAIT = 10
+"""Steps for which the step does not grow after Newton's method has failed; error control alone would try the same again at once."""
 KEEP_STEP = 1.2
 """Growth below which a step keeps its size, and with it the factorisation."""
 
@@ -213,6 +217,7 @@ class March:
     def advance(self, stop: float, jumping: bool) -> Outcome | None:
         """Step to a time; ``jumping`` says that something jumps there. The outcome when it is not reached."""
         dt = self.stepper.first_step(self.integrator.dt) if self.dt is None else self.dt
+        wait = 0
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
@@ -224,6 +229,7 @@ class March:
             if outcome.point is None or (adaptive and outcome.error > 1.0):
                 self.statistics.rejected += 1
                 dt = trial * (0.5 if outcome.point is None else outcome.growth)
+                wait = WAIT if outcome.point is None else wait
                 if dt < self.integrator.dt_min:
                     if self.recorder.at[-1] < self.t:
                         self.recorder.sample(self.t, self.whole())
@@ -234,7 +240,7 @@ class March:
             self.statistics.steps += 1
             self._sample_between(self.t, point.t)
             self.t = stop if count == 1 and length == trial else point.t
-            recorded = self.statistics.steps % self.stride == 0 or bool(triggers) or self.t >= self.t_end
+            recorded = self.statistics.steps % self.stride == 0 or bool(triggers) or self.t >= self.t_end or self._due(trial)
             self.point = point
             self.state = self.equations.state(point, whole=recorded or self.equations.elimination.moves)
             self.equations.model.settle(self.state)
@@ -243,7 +249,8 @@ class March:
             else:
                 self.recorder.pass_over(self.state)
             if adaptive:
-                factor = outcome.growth
+                factor = min(outcome.growth, 1.0) if wait or outcome.report.iterations > HARD else outcome.growth
+                wait = max(wait - 1, 0)
                 dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
             elif dt < self.integrator.dt:
                 dt = min(outcome.growth * dt, self.integrator.dt)  # a step cut after a failure grows back
@@ -268,6 +275,13 @@ class March:
         last = ceil((after - close - start) / self.every) - 1
         for t in start + self.every * np.arange(first, last + 1):
             self.recorder.sample(float(t), self.equations.state(self.stepper.between(float(t))))
+
+    def _due(self, dt: float) -> bool:
+        """Whether the step of dt just taken ended at a time asked for, which :meth:`_sample_between` leaves to it."""
+        if self.every is None:
+            return False
+        since = self.t - self.recorder.start
+        return abs(since - round(since / self.every) * self.every) <= 2e-9 * dt
 
     def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
         """The end at the smallest step, by Newton or by the error estimate."""
