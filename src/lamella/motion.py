@@ -34,7 +34,7 @@ VIOLATED = 1e-6
 HARD = 12
 """Newton iterations after which a step does not grow: a longer one would take more still, or fail."""
 WAIT = 10
-"""Steps for which the step does not grow after Newton's method has failed; error control alone would try the same again at once."""
+"""Steps for which the step does not grow after Newton's method has failed; else it is tried again at once."""
 KEEP_STEP = 1.2
 """Growth below which a step keeps its size, and with it the factorisation."""
 

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 import lamella as lm
-from lamella.bench import calculix, kratos, static
+from lamella.bench import calculix, kratos, static, work
 from lamella.bench.clock import ONE_THREAD, a_step, median
 from lamella.bench.peers import CALCULIX, EXUDYN, KRATOS
+from lamella.bench.picture import Picture, work_precision
 from lamella.bench.row import Row, beside_first
 from lamella.bench.table import markdown
 from lamella.verification.p1_motion.case import cantilever
@@ -149,6 +150,21 @@ def test_calculix_bends_as_the_reference_does() -> None:
 def test_exudyn_bends_as_the_reference_does() -> None:
     _, done = static.exudyn("full integration", 4)
     assert done.z == pytest.approx(-0.1117, rel=0.02)  # its shape functions are as good as ours, which are within 1.7 %
+
+
+def test_work_and_precision_of_fixed_steps_and_step_control() -> None:
+    """Steps of 1 ms and shorter resolve the slow swing of two elements: errors beside a tenth of them shrink with the step."""
+    model = cantilever(2).compile()
+    rows = list(work.own("c", model, 0.05, 0.9, 0.1e-3, (1e-3, 0.5e-3), 1))
+    codes = list(dict.fromkeys(row.code for row in rows))
+    assert codes == ["lamella, fixed steps", "lamella, step control", "lamella, BDF"]
+    fixed, controlled = ([row for row in rows if row.code == code] for code in codes[:2])
+    assert [row.what for row in fixed] == ["50 steps", "100 steps"]
+    assert 0.0 < fixed[1].error < fixed[0].error < 0.05
+    assert controlled[-1].error < controlled[0].error
+    assert controlled[-1].steps > controlled[0].steps  # smaller tolerances take more steps
+    figure = work_precision(rows, Picture("title", "steps"))
+    assert len(figure.axes[0].lines) == 3  # no goal is drawn
 
 
 @pytest.mark.skipif(KRATOS.find() is None, reason="Kratos is not installed")
