@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from math import ceil, floor
+from math import ceil
 
 import numpy as np
 
@@ -177,6 +177,8 @@ class March:
         self.stepper: Stepper = integrator.stepper(equations, statistics, solver)
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
         self.every, self.stride = every, stride
+        self._asked = 1
+        """Number of the next time to record, in multiples of ``every`` from the start."""
         self.point: Point | None = None
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
         self.sampling = Sampling(equations.model.samplers, recorder.signals, recorder.start)
@@ -238,9 +240,9 @@ class March:
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
             point = self.stepper.accept()
             self.statistics.steps += 1
-            self._sample_between(self.t, point.t)
+            due = self._sample_between(self.t, point.t)
             self.t = stop if count == 1 and length == trial else point.t
-            recorded = self.statistics.steps % self.stride == 0 or bool(triggers) or self.t >= self.t_end or self._due(trial)
+            recorded = self.statistics.steps % self.stride == 0 or due or bool(triggers) or self.t >= self.t_end
             self.point = point
             self.state = self.equations.state(point, whole=recorded or self.equations.elimination.moves)
             self.equations.model.settle(self.state)
@@ -266,22 +268,17 @@ class March:
         self.dt = dt
         return None
 
-    def _sample_between(self, before: float, after: float) -> None:
-        """Record at the times asked for within the step just accepted."""
-        if self.every is None:
-            return
-        start, close = self.recorder.start, 1e-9 * (after - before)
-        first = floor((before + close - start) / self.every) + 1
-        last = ceil((after - close - start) / self.every) - 1
-        for t in start + self.every * np.arange(first, last + 1):
-            self.recorder.sample(float(t), self.equations.state(self.stepper.between(float(t))))
-
-    def _due(self, dt: float) -> bool:
-        """Whether the step of dt just taken ended at a time asked for, which :meth:`_sample_between` leaves to it."""
+    def _sample_between(self, before: float, after: float) -> bool:
+        """Record at the times asked for within the step just accepted; whether its end is one, which is left to the step."""
         if self.every is None:
             return False
-        since = self.t - self.recorder.start
-        return abs(since - round(since / self.every) * self.every) <= 2e-9 * dt
+        close = 1e-9 * (after - before)
+        while (t := self.recorder.start + self.every * self._asked) < after - close:
+            self.recorder.sample(t, self.equations.state(self.stepper.between(t)))
+            self._asked += 1
+        due = t <= after + close
+        self._asked += due
+        return due
 
     def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
         """The end at the smallest step, by Newton or by the error estimate."""

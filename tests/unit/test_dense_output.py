@@ -48,3 +48,10 @@ def test_times_that_are_steps_are_recorded_once_whatever_the_stride(stride):
     np.testing.assert_allclose(result.at[chosen], 2e-3 * np.arange(51), atol=1e-12)
     assert len(result.at) == {1: 101, 3: 51 + 17, 10**6: 51}[stride]  # of 33 steps counted by threes, 17 are odd
     assert np.diff(result.at).min() > 1e-4
+
+
+def test_each_time_is_recorded_once_whatever_the_rounding_of_steps():
+    """5000 steps add up to times that are off by more than the share of a step within which a time counts as its end."""
+    result = lm.simulate(on_a_spring(), 0.1, lm.GeneralizedAlpha(dt=2e-5), every=1e-3, stride=10**6)
+    assert len(result.at) == 101
+    np.testing.assert_allclose(result.at, 1e-3 * np.arange(101), atol=1e-10)

@@ -28,7 +28,7 @@ def test_motion_that_comes_to_rest_takes_several_times_fewer_steps():
         result = lm.simulate(model, 6.0, lm.GeneralizedAlpha(rho_inf=0.5, **options), every=every, stride=10**6)
         return result["tip.position"].values[:, 2], result.statistics
 
-    exact, _ = course(dt=1e-3)
+    exact, _ = course(dt=2e-3)
 
     def error(z):
         return np.sqrt(np.mean((z - exact) ** 2))
