@@ -51,7 +51,7 @@ def test_times_that_are_steps_are_recorded_once_whatever_the_stride(stride):
 
 
 def test_each_time_is_recorded_once_whatever_the_rounding_of_steps():
-    """Late in a day, steps add up to times that are off by more than the share of a step within which a time counts as its end."""
+    """Late in a day steps end beside the times asked for, by more than the share of a step that counts as none."""
     late = lm.GeneralizedAlpha(dt=1e-3)
     result = lm.simulate(on_a_spring(), 1e5 + 0.3, late, t_start=1e5, every=0.01, stride=10**6)
     assert len(result.at) == 31

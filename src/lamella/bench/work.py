@@ -42,8 +42,8 @@ def p1(runs: int) -> Iterator[Row]:
         done = ExudynPlate(MESH, clamp, node(MESH, 1.0, 0.5), FORCE, INTEGRATION[way]).move(steps, dt)
         return done.z[-steps:][steps // GRID - 1 :: steps // GRID], (steps, done.iterations, done.factorisations)
 
-    exact, _ = fixed(0.125e-3)
-    yield from compared(case, code, [partial(fixed, dt) for dt in (0.5e-3, 1e-3, 2e-3, 4e-3)], exact, runs)
+    exact, _ = fixed(0.25e-3)
+    yield from compared(case, code, [partial(fixed, dt) for dt in (1e-3, 2e-3, 4e-3)], exact, runs)
 
 
 def settling(runs: int) -> Iterator[Row]:
