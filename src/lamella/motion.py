@@ -65,8 +65,8 @@ def simulate(
         frames: number of equally spaced configurations kept for pictures.
         every: record at multiples of this interval [s] too, besides the steps: interpolated with the order of the method, so
             that long steps give smooth curves. Positions, velocities and accelerations are as accurate as those of the steps.
-        stride: record every so manyth step, and the last; work and heat are summed over all. Recording some hundred signals may
-            cost as much as a step does.
+        stride: record every so manyth step, the last, and those that end at a multiple of ``every``, so that a large one records
+            nothing else; work and heat are summed over all. Recording some hundred signals may cost as much as a step does.
         sinks: receive the solution while it runs, for example a result file.
         progress: show a progress bar with the time to go.
         solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.

@@ -13,7 +13,7 @@ from lamella.viz.style import COLOURS, new_figure, place_legend, styled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MARKERS = "osD^vP"
+MARKERS = "osD^vPX"
 
 
 @dataclass(frozen=True)
