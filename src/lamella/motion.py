@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from math import ceil, floor
+from math import ceil
 
 import numpy as np
 
@@ -31,6 +31,10 @@ BEFORE_JUMP = 1e-9
 """Share of the step by which the last one before a jump stays short of it, so that it does not feel what begins there."""
 VIOLATED = 1e-6
 """Violation of a constraint, relative to the size of the bodies, that is no rounding of the constraints it follows from."""
+HARD = 12
+"""Newton iterations after which a step does not grow: a longer one would take more still, or fail."""
+WAIT = 10
+"""Steps for which the step does not grow after Newton's method has failed; else it is tried again at once."""
 KEEP_STEP = 1.2
 """Growth below which a step keeps its size, and with it the factorisation."""
 
@@ -61,8 +65,8 @@ def simulate(
         frames: number of equally spaced configurations kept for pictures.
         every: record at multiples of this interval [s] too, besides the steps: interpolated with the order of the method, so
             that long steps give smooth curves. Positions, velocities and accelerations are as accurate as those of the steps.
-        stride: record every so manyth step, and the last; work and heat are summed over all. Recording some hundred signals may
-            cost as much as a step does.
+        stride: record every so manyth step, the last, and those that end at a multiple of ``every``, so that a large one records
+            nothing else; work and heat are summed over all. Recording some hundred signals may cost as much as a step does.
         sinks: receive the solution while it runs, for example a result file.
         progress: show a progress bar with the time to go.
         solver: name of the linear solver, see :func:`lamella.solve.linear.linear_solver`.
@@ -175,6 +179,8 @@ class March:
         self.stepper: Stepper = integrator.stepper(equations, statistics, solver)
         self.recorder, self.statistics, self.t_end, self.linear = recorder, statistics, t_end, linear
         self.every, self.stride = every, stride
+        self._asked = 1
+        """Number of the next time to record, in multiples of ``every`` from the start."""
         self.point: Point | None = None
         self.watch = EventWatch(equations, equations.model.triggers, recorder.signals)
         self.sampling = Sampling(equations.model.samplers, recorder.signals, recorder.start)
@@ -215,6 +221,7 @@ class March:
     def advance(self, stop: float, jumping: bool) -> Outcome | None:
         """Step to a time; ``jumping`` says that something jumps there. The outcome when it is not reached."""
         dt = self.stepper.first_step(self.integrator.dt) if self.dt is None else self.dt
+        wait = 0
         while self.t < stop - 1e-9 * dt:
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
@@ -226,6 +233,7 @@ class March:
             if outcome.point is None or (adaptive and outcome.error > 1.0):
                 self.statistics.rejected += 1
                 dt = trial * (0.5 if outcome.point is None else outcome.growth)
+                wait = WAIT if outcome.point is None else wait
                 if dt < self.integrator.dt_min:
                     if self.recorder.at[-1] < self.t:
                         self.recorder.sample(self.t, self.whole())
@@ -234,9 +242,9 @@ class March:
             outcome, length, triggers = self.watch.locate(self.stepper, outcome, trial, self.t)
             point = self.stepper.accept()
             self.statistics.steps += 1
-            self._sample_between(self.t, point.t)
+            due = self._sample_between(self.t, point.t)
             self.t = stop if count == 1 and length == trial else point.t
-            recorded = self.statistics.steps % self.stride == 0 or bool(triggers) or self.t >= self.t_end
+            recorded = self.statistics.steps % self.stride == 0 or due or bool(triggers) or self.t >= self.t_end
             self.point = point
             self.state = self.equations.state(point, whole=recorded or self.equations.elimination.moves)
             self.equations.model.settle(self.state)
@@ -245,7 +253,8 @@ class March:
             else:
                 self.recorder.pass_over(self.state)
             if adaptive:
-                factor = outcome.growth
+                factor = min(outcome.growth, 1.0) if wait or outcome.report.iterations > HARD else outcome.growth
+                wait = max(wait - 1, 0)
                 dt = min(trial * factor, self.integrator.dt_max) if not 1.0 <= factor < KEEP_STEP else max(trial, dt)
             elif dt < self.integrator.dt:
                 dt = min(outcome.growth * dt, self.integrator.dt)  # a step cut after a failure grows back
@@ -261,15 +270,17 @@ class March:
         self.dt = dt
         return None
 
-    def _sample_between(self, before: float, after: float) -> None:
-        """Record at the times asked for within the step just accepted."""
+    def _sample_between(self, before: float, after: float) -> bool:
+        """Record at the times asked for within the step just accepted; whether its end is one, which is left to the step."""
         if self.every is None:
-            return
-        start, close = self.recorder.start, 1e-9 * (after - before)
-        first = floor((before + close - start) / self.every) + 1
-        last = ceil((after - close - start) / self.every) - 1
-        for t in start + self.every * np.arange(first, last + 1):
-            self.recorder.sample(float(t), self.equations.state(self.stepper.between(float(t))))
+            return False
+        close = 1e-9 * (after - before)
+        while (t := self.recorder.start + self.every * self._asked) < after - close:
+            self.recorder.sample(t, self.equations.state(self.stepper.between(t)))
+            self._asked += 1
+        due = t <= after + close
+        self._asked += due
+        return due
 
     def _given_up(self, dt: float, outcome: StepOutcome) -> Outcome:
         """The end at the smallest step, by Newton or by the error estimate."""

@@ -52,9 +52,14 @@ def a_step(move: Callable[[int], T], steps: int, runs: int) -> tuple[float, T]:
         steps: of the long run.
         runs: how often each is done.
     """
+    return a_step_of(lambda count: cpu(lambda: move(count)), steps, runs)
+
+
+def a_step_of(measure: Callable[[int], tuple[float, T]], steps: int, runs: int) -> tuple[float, T]:
+    """The same for a program that tells its own time: ``measure`` gives the time of so many steps [s] and their result."""
     few = max(steps // 10, 1)
-    short, _ = median(lambda: cpu(lambda: move(few)), runs)
-    long, result = median(lambda: cpu(lambda: move(steps)), runs)
+    short, _ = median(lambda: measure(few), runs)
+    long, result = median(lambda: measure(steps), runs)
     return (long - short) / (steps - few), result
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lamella.bench import roofline
 from lamella.bench.clock import best
 from lamella.bench.row import Row
 from lamella.element import ELEMENTS
@@ -34,7 +35,8 @@ def arguments(name: str, n: int) -> tuple[tuple[Any, ...], Floats]:
 
 
 def run(runs: int) -> Iterator[Row]:
-    """Each kernel of both elements; the shortest of many calls, ``runs`` times as long."""
+    """Each kernel of both elements; the shortest of many calls, ``runs`` times as long, and what the machine could do."""
+    yield from roofline.run(CASE, runs)
     for name in ("plate48", "plate36"):
         common, q = arguments(name, N_ELEMENTS)
         shell = SHELLS[name].strain_models["exact"](*common, N_GAUSS)
@@ -51,5 +53,7 @@ def run(runs: int) -> Iterator[Row]:
         }
         for what, call in calls.items():
             call()  # compiles what is not in the cache
-            seconds = best(call, 0.1 * runs)
-            yield Row(case=CASE, code=CODE, what=f"{name}: {what}", time=seconds * 1e6 / N_ELEMENTS, unit="µs an element")
+            seconds = best(call, 0.1 * runs) / N_ELEMENTS
+            work = f"{name}: {what}"
+            note = roofline.rates(work, seconds)
+            yield Row(case=CASE, code=CODE, what=work, time=seconds * 1e6, unit="µs an element", note=note)

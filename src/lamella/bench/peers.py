@@ -37,6 +37,20 @@ def _exudyn() -> str | None:
     return metadata.version("exudyn") if importlib.util.find_spec("exudyn") else None
 
 
+KRATOS_PACKAGES = ("Multiphysics", "StructuralMechanicsApplication", "ConstitutiveLawsApplication", "LinearSolversApplication")
+"""What the plate needs, each a package of its own whose name begins with Kratos."""
+
+
+def _kratos() -> str | None:
+    if not importlib.util.find_spec("KratosMultiphysics"):
+        return None
+    try:
+        versions = {name: metadata.version(f"Kratos{name}") for name in KRATOS_PACKAGES}
+    except metadata.PackageNotFoundError:
+        return None
+    return versions["Multiphysics"]
+
+
 def _calculix() -> str | None:
     program = shutil.which("ccx")
     if program is None or sys.platform == "win32":  # where the CPU time of another program is not known
@@ -48,4 +62,5 @@ def _calculix() -> str | None:
 
 EXUDYN = Peer("Exudyn", "pip install 'lamella[bench]'", _exudyn)
 CALCULIX = Peer("CalculiX", "apt install calculix-ccx, or put its program ccx on the PATH (not on Windows)", _calculix)
-PEERS = (EXUDYN, CALCULIX)
+KRATOS = Peer("Kratos", "pip install 'lamella[bench]' (not on macOS)", _kratos)
+PEERS = (EXUDYN, CALCULIX, KRATOS)

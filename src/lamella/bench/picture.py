@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lamella.bench.row import Row
@@ -12,17 +13,26 @@ from lamella.viz.style import COLOURS, new_figure, place_legend, styled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MARKERS = "osD^v"
+MARKERS = "osD^vPX"
 
 
-def work_precision(rows: Sequence[Row], title: str, goal: float) -> Figure:
-    """Error of each code over its CPU time, both logarithmic, with the meshes written at the points.
+@dataclass(frozen=True)
+class Picture:
+    """What the picture of a case says.
 
     Args:
-        rows: those of one case that have an error.
         title: heading.
-        goal: error to reach, drawn as a line.
+        numbers: what the numbers at the points are, the first words of the rows' ``what``.
+        goal: error to reach, drawn as a line; None without one.
     """
+
+    title: str
+    numbers: str
+    goal: float | None = None
+
+
+def work_precision(rows: Sequence[Row], picture: Picture) -> Figure:
+    """Error of each code over its CPU time, both logarithmic; ``rows`` are those of one case that have an error."""
     with styled():
         figure = new_figure(3.8)
         axes = figure.subplots()
@@ -33,8 +43,9 @@ def work_precision(rows: Sequence[Row], title: str, goal: float) -> Figure:
             for row in own:
                 place = (row.time, 100.0 * abs(row.error))
                 axes.annotate(row.what.split()[0], place, (4, 4), textcoords="offset points", fontsize=7.5, color=look["color"])
-        axes.axhline(100.0 * goal, color="#8a95a3", linewidth=0.9, linestyle="--", zorder=1)
-        axes.set(title=title, xlabel=f"CPU time [{rows[0].unit}]; numbers are elements along a side", ylabel="Error [%]")
+        if picture.goal is not None:
+            axes.axhline(100.0 * picture.goal, color="#8a95a3", linewidth=0.9, linestyle="--", zorder=1)
+        axes.set(title=picture.title, xlabel=f"CPU time [{rows[0].unit}]; numbers are {picture.numbers}", ylabel="Error [%]")
         place_legend(axes)
     return figure
 

@@ -25,7 +25,10 @@ def cells(row: Row) -> tuple[str, ...]:
     value = f"{row.quantity} {row.value:.5g}" if row.quantity else ""
     error = "" if math.isnan(row.error) else f"{100.0 * row.error:.2f} %"
     ratio = "" if math.isnan(row.ratio) else f"{row.ratio:.2f}" if row.ratio < 10.0 else f"{row.ratio:.0f}"
-    counts = [f"{count:.4g}" if not math.isnan(count) else "" for count in (row.steps, row.iterations, row.factorisations)]
+    counts = [
+        "" if math.isnan(count) else f"{count:.0f}" if count >= 1e4 else f"{count:.4g}"
+        for count in (row.steps, row.iterations, row.factorisations)
+    ]
     time = "" if math.isnan(row.time) else f"{row.time:.3g}"
     return (row.code, row.what, time, row.unit, ratio, *counts, value, error, row.note)
 

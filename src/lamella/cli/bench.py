@@ -21,19 +21,19 @@ def bench_command(names: list[str], out: Path, runs: int) -> None:
     from lamella.bench.clock import ONE_THREAD
 
     os.environ.update(ONE_THREAD)  # before anything loads the libraries that read it
-    from lamella.bench import static, table
+    from lamella.bench import table
     from lamella.bench.cases import find_cases
     from lamella.bench.picture import with_error, work_precision
     from lamella.viz.style import save_figure
 
-    rows = []
-    for name, case in find_cases(names).items():
+    rows, chosen = [], find_cases(names)
+    for name, case in chosen.items():
         print(f"{name}: {case.title}", file=sys.stderr, flush=True)
         rows += case.run(runs)
     about = table.machine()
     written = table.write(rows, about, out)
-    if measured := with_error(rows, static.CASE):
-        picture = work_precision(measured, "Cantilever plate in equilibrium: error over work", static.GOAL)
-        written.append(save_figure(picture, out / f"{static.CASE}.png"))
+    for name, case in chosen.items():
+        if case.picture is not None and (measured := with_error(rows, name)):
+            written.append(save_figure(work_precision(measured, case.picture), out / f"{name}.png"))
     print(table.markdown(rows, about))
     print("\n".join(f"wrote {path}" for path in written))

@@ -15,12 +15,13 @@ slow = True
 LEVEL = -0.1117  # the static deflection: where the motion is fastest, so that a crossing is a sharp mark [m]
 
 
-def cantilever(mesh: int, n_gauss: Literal[3, 4, 5] = 4, force: float = -10.0) -> lm.System:
+def cantilever(mesh: int, n_gauss: Literal[3, 4, 5] = 4, force: float = -10.0, mass_damping: float = 0.0) -> lm.System:
     """A [0/90/0] plate of 1.5 m x 2 m clamped along x = 0, with a force along z at C = (1.5, 1)."""
     ply = lm.Lamina(E1=181e9, E2=103e9, G12=7.7e9, nu12=0.28, rho=1560)
     layup = lm.Laminate(ply, angles=(0, 90, 0), thickness=1.5e-3)
     system = lm.System()
-    plate = system.add(lm.Plate("plate", size=(1.5, 2.0), mesh=(mesh, mesh), laminate=layup, n_gauss=n_gauss))
+    given = {"n_gauss": n_gauss, "mass_damping": mass_damping}
+    plate = system.add(lm.Plate("plate", size=(1.5, 2.0), mesh=(mesh, mesh), laminate=layup, **given))
     system.add(lm.Clamp("root", plate.edge("x-")))
     system.add(lm.PointForce("load", plate.marker("C", 1.5, 1.0), (0, 0, force)))
     return system
