@@ -56,7 +56,7 @@ def _manual(names: list[str], fast: bool, path: Path) -> Manual:
     """An empty manual that says by which command it was made."""
     from lamella.viz.manual import Manual
 
-    if path.suffix not in (".html", ".htm"):
+    if path.suffix not in (".html", ".htm") and not path.is_dir():
         path = path.with_name(f"{path.name}.html")
     options = [*(["--fast"] if fast else []), "--report", path.name]
     return Manual(path, shlex.join(["lamella", "verify", *names, *options]))
