@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from lamella.contact.bristles import advance
 from lamella.contact.gap import Obstacle
-from lamella.contact.kernels import ANCHOR, FIELDS, TOTALS, Body, advance, force, work_size
+from lamella.contact.kernels import ANCHOR, FIELDS, TOTALS, Body, force, work_size
 from lamella.contact.point import Law
 from lamella.contact.sheet import Sheet
 from lamella.contact.tangent import force_tangent

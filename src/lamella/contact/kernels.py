@@ -1,4 +1,4 @@
-"""Loops over elements and their points, a lane of points at a time: the force, and the advance of bristles.
+"""Loops over elements and their points, a lane of points at a time: the force.
 
 Elements away from the obstacle are left out by a bound. The buffer of the force holds (element, component, vector), with vectors
 filled up to whole lanes, then the 12 coordinates of the body.
@@ -8,11 +8,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from lamella._jit import inlined, kernel
 from lamella.contact.gap import Obstacle, distance, gap, positive
-from lamella.contact.point import Axes, Force, Law, Relative, components, contact, due_to_velocity, tangential, weighted
+from lamella.contact.point import Axes, Force, Law, Relative, contact, due_to_velocity, tangential, weighted
 from lamella.contact.sheet import Sheet, gather, interpolate, near
 from lamella.element.plate48.strain import Vector, combined, combined3, cross, dot
 from lamella.lane import WIDTH, chosen, load_at, spread, sqrt, store_at, total
@@ -37,21 +35,22 @@ class Body(NamedTuple):
 
 
 @inlined
-def _vector(x: Floats, first: int, step: int) -> Vector:
+def vector_at(x: Floats, first: int, step: int) -> Vector:
+    """Three numbers, ``step`` apart."""
     return (x[first], x[first + step], x[first + 2 * step])
 
 
 @inlined
 def _axes(x: Floats) -> Axes:
-    return (_vector(x, 3, 1), _vector(x, 6, 1), _vector(x, 9, 1))
+    return (vector_at(x, 3, 1), vector_at(x, 6, 1), vector_at(x, 9, 1))
 
 
 @inlined
-def _seen(obstacle: Obstacle, body: Body, s: Vector, sd: Vector, X: Vector, held: Any) -> Relative:
+def seen(obstacle: Obstacle, body: Body, s: Vector, sd: Vector, X: Vector, held: Any) -> Relative:
     """Points with places s and velocities sd as seen from the obstacle."""
     D, Dd = _axes(body.x), _axes(body.rate)
-    y = combined3(1.0, s, -1.0, _vector(body.x, 0, 1), -1.0, weighted(obstacle.centre, D))
-    yd = combined3(1.0, sd, -1.0, _vector(body.rate, 0, 1), -1.0, weighted(obstacle.centre, Dd))
+    y = combined3(1.0, s, -1.0, vector_at(body.x, 0, 1), -1.0, weighted(obstacle.centre, D))
+    yd = combined3(1.0, sd, -1.0, vector_at(body.rate, 0, 1), -1.0, weighted(obstacle.centre, Dd))
     return Relative(y, yd, weighted(obstacle.axis, D), weighted(obstacle.axis, Dd), D, Dd, X, held)
 
 
@@ -62,7 +61,7 @@ def prepared(
     """Put places and velocities of an element's points in work; False when none can touch."""
     gather(q, sheet, element, work, 0)
     D = _axes(body.x)
-    c = combined(1.0, _vector(body.x, 0, 1), 1.0, weighted(obstacle.centre, D))
+    c = combined(1.0, vector_at(body.x, 0, 1), 1.0, weighted(obstacle.centre, D))
     reach = obstacle.radius + sheet.half_thickness[element]
     if not every and not near(sheet, obstacle, reach, c, weighted(obstacle.axis, D), work, 0):
         return False
@@ -99,7 +98,7 @@ def at_points(
             for k in range(3):
                 work[to + k * WIDTH + i] = anchors[pair + k] if holds else 0.0
         X, held = _lanes(work, to, WIDTH), load_at(work, to + 3 * WIDTH)
-    return _seen(obstacle, body, _lanes(work, at, n), sd, X, held)
+    return seen(obstacle, body, _lanes(work, at, n), sd, X, held)
 
 
 @inlined
@@ -306,53 +305,3 @@ def _bristle_energy(law: Law, area: Any, rel: Relative, c: Force) -> tuple[Any, 
     stored = chosen(holds, 0.5 * k * length * length, 0.5 * k * limit * limit)
     power = chosen(holds, k * length * growth, k * limit * widening)
     return chosen(length, stored, 0.0), chosen(length, power, 0.0)
-
-
-@kernel
-def advance(q: Floats, body: Body, sheet: Sheet, obstacle: Obstacle, law: Law, anchors: Floats, work: Floats) -> float:
-    """Let bristles that are stretched beyond their limit slide, and those of points that do not touch go along with them.
-
-    Returns:
-        Heat [J]: the limit along the way that a bristle slides; where its limit has shrunk, or the point has come off, the energy
-        that the bristle has lost.
-    """
-    heat = 0.0
-    for element in range(sheet.n_element):
-        if not prepared(q, q, False, body, sheet, obstacle, element, False, work):
-            for pair in range(element * sheet.n_point, (element + 1) * sheet.n_point):
-                heat += _released(law, sheet.area[pair], anchors, pair)
-                anchors[ANCHOR * pair] = np.nan
-            continue
-        reach = obstacle.radius + sheet.half_thickness[element]
-        for p in range(sheet.n_point):
-            pair = element * sheet.n_point + p
-            s = _vector(work, 6 * sheet.n_vector + p, sheet.points)
-            X, held = (0.0, 0.0, 0.0), 0.0
-            if anchors[ANCHOR * pair] == anchors[ANCHOR * pair]:
-                X, held = _vector(anchors, ANCHOR * pair, 1), 1.0
-            rel = _seen(obstacle, body, s, (0.0, 0.0, 0.0), X, held)
-            X, pull, area = components(rel.D, rel.y), 0.0, sheet.area[pair]
-            c = contact(law, gap(obstacle, reach, rel.y, rel.a), area, rel)
-            if rel.held > 0.0 and c.at.g < 0.0:
-                stretch = tangential(c.unit, combined(1.0, rel.y, -1.0, weighted(rel.X, rel.D)))
-                limit, pull = law.mu * c.elastic * c.size, area * law.tangential * dot(stretch, stretch) ** 0.5
-                X = rel.X
-                if pull > limit:
-                    X = components(rel.D, combined(1.0, rel.y, -limit / pull, stretch))
-                    shrunk = min(max(anchors[ANCHOR * pair + 3] - limit, 0.0), pull - limit)
-                    heat += (limit * (pull - limit) + 0.5 * shrunk**2) / (area * law.tangential)
-                    pull = limit
-            else:
-                heat += _released(law, area, anchors, pair)
-            for i in range(3):
-                anchors[ANCHOR * pair + i] = X[i]
-            anchors[ANCHOR * pair + 3] = pull
-    return heat
-
-
-@inlined
-def _released(law: Law, area: float, anchors: Floats, pair: int) -> float:
-    """Energy of a bristle that lets go."""
-    if anchors[ANCHOR * pair] != anchors[ANCHOR * pair]:
-        return 0.0
-    return 0.5 * anchors[ANCHOR * pair + 3] ** 2 / (area * law.tangential)
