@@ -186,9 +186,9 @@ def extend_add(
 
 @kernel
 def clear(c: Floats, c0: int, n: int) -> None:
-    """c[c0:] = 0 for n entries."""
-    for i in range(c0, c0 + n):
-        c[i] = 0.0
+    """c[c0:] = 0 for n entries, a multiple of ``WIDTH``."""
+    for i in range(c0, c0 + n, WIDTH):
+        store_at(c, i, 0.0)
 
 
 @inlined
