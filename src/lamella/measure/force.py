@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lamella.measure.kernels import share_out
 from lamella.measure.law import Law
 from lamella.measure.measure import Measure, MeasureSet
 from lamella.roles import Floats, ForceBlock
@@ -40,8 +41,7 @@ class MeasureForce(ForceBlock):
         self._owner = self.measures.owner[self._i]
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        F = self.answers(t, q, v)
-        np.multiply((self.shares * F)[self.measures.owner], self.measures.gradients, out=f)
+        share_out(self.shares, self.answers(t, q, v), self.measures.owner, self.measures.gradients, f)
 
     def answers(self, t: float, q: Floats, v: Floats) -> Floats:
         """F of each measure, before it is shared out, shape (n,)."""
@@ -51,7 +51,7 @@ class MeasureForce(ForceBlock):
     def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         F = self.answers(t, q, v)
         F = F - self.law.force(t, self.measures.values, np.zeros_like(F))[0]
-        np.multiply((self.shares * F)[self.measures.owner], self.measures.gradients, out=f)
+        share_out(self.shares, F, self.measures.owner, self.measures.gradients, f)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats

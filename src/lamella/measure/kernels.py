@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import inlined, njit
+from lamella._jit import inlined, kernel, njit
 from lamella.roles import Floats, Ints
 
 LENGTH, ANGLE, SLIDE = 0, 1, 2
@@ -206,3 +206,18 @@ def evaluate(
                                             hessian[at + (3 * k + i) * n + 3 * other + j] += both * h[3 * a + i, 3 * b + j]
         if second:
             at += n * n
+
+
+@kernel
+def rates(owner: Ints, gradients: Floats, coords: Ints, v: Floats, out: Floats) -> None:
+    """Rates of all measures for velocities v (n_q,)."""
+    out[:] = 0.0
+    for i in range(len(owner)):
+        out[owner[i]] += gradients[i] * v[coords[i]]
+
+
+@kernel
+def share_out(shares: Floats, F: Floats, owner: Ints, gradients: Floats, out: Floats) -> None:
+    """Forces F of the measures, each with its share, along their gradients."""
+    for i in range(len(owner)):
+        out[i] = shares[owner[i]] * F[owner[i]] * gradients[i]

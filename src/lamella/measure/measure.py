@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamella.kinematics import VectorRows
-from lamella.measure.kernels import ANGLE, LENGTH, SLIDE, evaluate
+from lamella.measure.kernels import ANGLE, LENGTH, SLIDE, evaluate, rates
 from lamella.memory import Memory
 from lamella.roles import Floats, Ints
 
@@ -144,7 +144,9 @@ class MeasureSet(Memory):
 
     def rates(self, v: Floats) -> Floats:
         """Rates of the measures at the last configuration evaluated, for velocities ``v`` (n_q,)."""
-        return np.bincount(self.owner, self.gradients * v[self.coords], minlength=self.n).astype(float)
+        found = np.empty(self.n)
+        rates(self.owner, self.gradients, self.coords, v, found)
+        return found
 
     def times(self, v: Floats) -> Floats:
         """Each Hessian times the velocities, in the order of the gradients."""
