@@ -98,7 +98,7 @@ class ScatterSum:
         begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
         self._runs = np.column_stack([begins, np.append(begins, len(sources))[1:], sources[begins] - begins])
         self._starts = np.searchsorted(part[begins], np.arange(1, len(parts) + 1))
-        self._targets: Indices = targets[order].astype(np.int32)
+        self._targets = targets[order].astype(np.uint32)  # without sign, so that Numba does not look for negative ones
         self._table, codes = np.unique(factors[order].astype(float), return_inverse=True)
         self._codes: NDArray[np.integer] = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
 
@@ -109,7 +109,14 @@ class ScatterSum:
 
 @kernel
 def _add_parts(
-    starts: Ints, runs: Ints, targets: Indices, codes: NDArray[np.integer], table: Floats, x: Floats, used: Bools, out: Floats
+    starts: Ints,
+    runs: Ints,
+    targets: NDArray[np.uint32],
+    codes: NDArray[np.integer],
+    table: Floats,
+    x: Floats,
+    used: Bools,
+    out: Floats,
 ) -> None:
     for part in range(len(used)):
         if used[part]:
