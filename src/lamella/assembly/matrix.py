@@ -169,7 +169,7 @@ def _places(rows: Ints, cols: Ints, n: int) -> tuple[Ints, Ints]:
 def _sorted_by(numbers: Ints, n: int) -> Ints:
     """The stable order of numbers below n: SciPy counts them when it compresses the rows of a matrix."""
     entries = np.ones(len(numbers), np.int8), (numbers, np.arange(len(numbers)))
-    return sparse.csr_array(sparse.coo_array(entries, shape=(n, len(numbers)))).indices
+    return sparse.csr_array(sparse.coo_array(entries, shape=(n, len(numbers)))).indices.astype(np.int64)
 
 
 def _shifted(entries: Entries, start: int) -> Entries:
