@@ -104,7 +104,7 @@ class EventWatch(Memory):
 
     def _cut(self, stepper: Stepper, crossed: tuple[_Watched, float], dt: float) -> tuple[StepOutcome, float]:
         """The step that ends just behind an event, by Brent's method on its length; the whole step where a trial fails."""
-        from scipy.optimize import brentq  # imported late: half a second that most models never need
+        from scipy.optimize import brentq  # imported late: some tenths of a second that most models never need
 
         item, end = crossed
 

@@ -129,7 +129,7 @@ def nearest_crossing(s: Floats, vectors: Floats, r: Ints, r_s: Ints, origin: Vec
     """
     c, n = origin.at(vectors), normal.at(vectors)
     points, slopes = vectors[r] - c, vectors[r_s]
-    from scipy.interpolate import CubicHermiteSpline  # imported late: half a second that most models never need
+    from scipy.interpolate import CubicHermiteSpline  # imported late: some tenths of a second that most models never need
 
     roots = CubicHermiteSpline(s, points @ n, slopes @ n).roots(extrapolate=False)
     roots = roots[np.isfinite(roots)]  # an element that lies in the plane has no single place

@@ -90,7 +90,7 @@ class PointSurface(Surface):
 
 def _spline(at: Floats, values: Floats, axis: int, *, closed: bool) -> BSpline:
     """Interpolating spline of the highest odd degree up to 5 that the points allow."""
-    from scipy.interpolate import make_interp_spline  # imported late: half a second that most models never need
+    from scipy.interpolate import make_interp_spline  # imported late: some tenths of a second that most models never need
 
     count = len(at) - 1 if closed else len(at)
     degree = 5 if count > 5 else 3 if count > 3 else min(count - 1, 2)
