@@ -9,7 +9,6 @@ import pytest
 from shell_patch import SURFACES, dense, derivative, gathered_force, patch, random_rotation, section, turned
 
 from lamella.element import ELEMENTS
-from lamella.element.packing import aligned
 from lamella.element.plate48.damping import MassDampingBlock
 from lamella.element.plate48.damping_small import small_damping
 from lamella.element.plate48.framed_shape import framed_shape
@@ -18,6 +17,7 @@ from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import gauss_points
 from lamella.element.shells import SHELLS
 from lamella.errors import ModelError
+from lamella.lane import aligned
 
 XS, YS = [0.0, 0.5, 0.8, 1.5], [0.0, 0.4, 1.0, 1.3]  # nine elements: one full block of eight and one alone
 

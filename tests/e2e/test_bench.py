@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import lamella as lm
-from lamella.bench import calculix, kratos, static, work
+from lamella.bench import calculix, kratos, scale, static, work
 from lamella.bench.clock import ONE_THREAD, a_step, median
 from lamella.bench.peers import CALCULIX, EXUDYN, KRATOS
 from lamella.bench.picture import Picture, work_precision
@@ -126,6 +126,20 @@ def test_ratios_and_what_does_not_apply() -> None:
     table = markdown([own, peer], {"lamella": "1"}).splitlines()
     assert [cell.strip() for cell in table[4:][2].split("|")[1:-1]] == ["code", "CPU time", "", "ratio"]
     assert "error" not in "\n".join(table)
+
+
+def test_scale_tells_coordinates_and_exponents(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scale, "PLATES", (2, 4))
+    monkeypatch.setattr(scale, "BELTS", ((8, 1),))
+    rows = {row.what: row for row in scale.run(1)}
+    assert rows["plate 2 x 2: set-up"].note == f"{12 * 6} coordinates"  # of nine nodes three are clamped
+    assert rows["plate 4 x 4: set-up"].note.startswith(f"{12 * 20} coordinates, exponent ")
+    assert rows["belt 8 x 1: set-up"].note == f"{12 * 16} coordinates"
+    assert "exponent" not in rows["belt 8 x 1: step"].note
+    work = {what.split(": ")[1] for what in rows}
+    assert work == {"set-up", "factorisation", "solution", "step", "peak memory"}
+    assert rows["plate 4 x 4: peak memory"].time > 16 * 1176 * 8e-6  # MB, the tangents of the elements alone
+    assert rows["plate 4 x 4: step"].iterations >= 1
 
 
 def test_deck_of_calculix_is_a_plate() -> None:

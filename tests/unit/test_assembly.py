@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 import lamella as lm
 from lamella.assembly.equations import Equations
+from lamella.assembly.expand import expand_matrix
 from lamella.assembly.operator import ScatterSum
 from lamella.assembly.point import STATIC, Weights
 from lamella.load.dead import DeadLoadBlock
@@ -243,3 +245,19 @@ def test_scatter_sum_looks_at_the_parts_in_use_alone():
     x, y = np.array([1.0, 2.0, np.nan, np.nan, 5.0, 6.0]), np.ones(3)
     operator.add(x, np.array([True, False, True]), y)
     np.testing.assert_array_equal(y, [2.0, -1.0, 1.0 + 12.0 + 15.0])
+
+
+@pytest.mark.parametrize("upper", [True, False])
+def test_entries_go_through_held_shared_and_mixed_coordinates(upper):
+    T = np.array([[1, 0, 0], [0, 2, 0], [0, -3, 0], [0, 0, 0], [0.5, 0, 4]])  # two follow one, one is held, one follows two
+    rows, cols = np.triu_indices(5)
+    padded_rows, padded_cols = np.append(rows, -1), np.append(cols, 2)
+    buffer = np.append(np.random.default_rng(0).standard_normal(15), 7.0)
+    scale = np.linspace(1.0, 2.0, 16)
+    k = np.zeros((5, 5))
+    k[rows, cols] = k[cols, rows] = (buffer * scale)[:15]
+    found = expand_matrix(padded_rows, padded_cols, scale, "symmetric", upper, sparse.csr_array(T))
+    made = np.zeros((3, 3))
+    np.add.at(made, (found.rows, found.cols), found.factors * buffer[found.sources])
+    whole = T.T @ k @ T
+    np.testing.assert_allclose(made, np.triu(whole) if upper else whole, rtol=1e-13, atol=1e-13)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from lamella._jit import CACHE_FOLDER, announced, inlined, njit
-from lamella.element.packing import aligned, packed, packed_indices, packed_targets, unpacked
-from lamella.lane import WIDTH, chosen, load, load_at, power, spread, sqrt, store, store_at, total
+from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
+from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, spread, sqrt, store, store_at, total
 
 
 @inlined
@@ -30,6 +30,7 @@ def evaluate(a, b, out):
     store(out, 15, spread(1.5))
     store_at(out, 16 * WIDTH, 2.5)
     out[17 * WIDTH] = total(u)
+    out[17 * WIDTH + 1] = number_at(b, WIDTH + 2)
 
 
 @njit
@@ -40,7 +41,7 @@ def evaluate_number(a, b):
 def test_lane_arithmetic_equals_that_of_numbers():
     rng = np.random.default_rng(0)
     a, b = rng.standard_normal(WIDTH), rng.uniform(0.5, 2.0, WIDTH + 3)
-    out = np.empty(17 * WIDTH + 1)
+    out = np.empty(17 * WIDTH + 2)
     evaluate(a, b, out)
     # a fused multiply-add rounds once instead of twice
     results = out[: 15 * WIDTH].reshape(15, WIDTH)
@@ -48,7 +49,8 @@ def test_lane_arithmetic_equals_that_of_numbers():
     np.testing.assert_allclose(evaluate_number(a[0], b[3]), results[:, 0], rtol=4e-15)
     assert (out[15 * WIDTH : 16 * WIDTH] == 1.5).all()
     assert (out[16 * WIDTH : 17 * WIDTH] == 2.5).all()
-    assert out[-1] == pytest.approx(a.sum(), abs=1e-15 * WIDTH)
+    assert out[-2] == pytest.approx(a.sum(), abs=1e-15 * WIDTH)
+    assert out[-1] == b[-1]
 
 
 @njit
@@ -72,7 +74,7 @@ def test_lane_chooses_and_raises_to_a_power_place_by_place():
 def test_lane_keeps_nan_and_infinity_in_their_place():
     a, b = np.ones(WIDTH), np.ones(WIDTH + 3)
     a[2], b[3 + 1] = np.nan, np.inf
-    out = np.empty(17 * WIDTH + 1)
+    out = np.empty(17 * WIDTH + 2)
     evaluate(a, b, out)
     assert np.flatnonzero(np.isnan(out[:WIDTH])).tolist() == [2]
     assert np.flatnonzero(np.isinf(out[:WIDTH])).tolist() == [1]

@@ -66,6 +66,19 @@ def check(k: Floats, j: Floats | None, method: Method, symmetric: bool = True) -
     return solver
 
 
+@pytest.mark.parametrize("negative", [0, 3])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_a_front_of_several_blocks_of_columns(negative: int, symmetric: bool) -> None:
+    n = 250  # one front: pivots in two whole blocks and a part of one
+    rng = np.random.default_rng(2)
+    b = rng.standard_normal((n, n))
+    k = b @ b.T + n * np.eye(n) + (0.0 if symmetric else 0.1) * (b - b.T)
+    k[:negative] *= -1.0
+    k[:, :negative] *= -1.0
+    k[range(negative), range(negative)] -= 4.0 * n
+    check(k, None, "multifrontal", symmetric)
+
+
 def constraints(n: int, m: int, seed: int = 3) -> Floats:
     """Jacobian of m constraints, each on four coordinates."""
     rng = np.random.default_rng(seed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy import sparse
@@ -30,7 +30,7 @@ def expand_matrix(rows: Ints, cols: Ints, scale: Floats, symmetry: Symmetry, upp
     """Contributions of a block's tangent entries to K_u.
 
     A symmetric block lists each pair once, so its off-diagonal entries are mirrored first. When only the upper triangle is
-    wanted, the others give their symmetric part.
+    wanted, the others give their symmetric part; nearly all entries of a large mesh then stand for one place (:func:`_plain`).
 
     Args:
         rows, cols: global coordinates of the entries, -1 for padding, shape (n_k,).
@@ -39,7 +39,35 @@ def expand_matrix(rows: Ints, cols: Ints, scale: Floats, symmetry: Symmetry, upp
         upper: keep the upper triangle only.
         T: map from independent to all coordinates, (n_q, n_u).
     """
-    sources = np.flatnonzero((rows >= 0) & (cols >= 0))
+    counts = np.diff(T.indptr)
+    sources = np.flatnonzero((rows >= 0) & (cols >= 0) & (counts[rows] > 0) & (counts[cols] > 0))
+    if symmetry == "symmetric" and upper:
+        plain = (counts[rows[sources]] == 1) & (counts[cols[sources]] == 1)
+        first = _plain(rows, cols, scale, sources[plain], T)
+        sources = sources[~plain]
+        if not len(sources):
+            return first
+        return _joined(first, _general(rows, cols, scale, sources, symmetry, upper, T))
+    return _general(rows, cols, scale, sources, symmetry, upper, T)
+
+
+def _plain(rows: Ints, cols: Ints, scale: Floats, sources: Ints, T: sparse.csr_array) -> Entries:
+    """Entries of a symmetric block whose two coordinates each follow one independent coordinate, in the upper triangle."""
+    i, j = T.indptr[rows[sources]], T.indptr[cols[sources]]
+    x = scale[sources] * T.data[i] * T.data[j]
+    u, v = T.indices[i], T.indices[j]
+    x[(u == v) & (i != j)] *= 2.0  # the entry and its mirror image fall on the diagonal
+    return Entries(np.minimum(u, v), np.maximum(u, v), sources, x)
+
+
+def _joined(one: Entries, other: Entries) -> Entries:
+    return Entries(*(np.concatenate([getattr(e, part.name) for e in (one, other)]) for part in fields(Entries)))
+
+
+def _general(
+    rows: Ints, cols: Ints, scale: Floats, sources: Ints, symmetry: Symmetry, upper: bool, T: sparse.csr_array
+) -> Entries:
+    """As :func:`expand_matrix` for the buffer entries ``sources``."""
     i, j, x = rows[sources], cols[sources], scale[sources]
     if symmetry == "symmetric":
         off = i != j

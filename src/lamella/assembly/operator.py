@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import kernel
-from lamella.lane import WIDTH, load_at, spread, store_at
+from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
 
@@ -91,15 +91,19 @@ class ScatterSum:
     def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints) -> None:
         order = np.argsort(sources, kind="stable")
         sources = sources[order]
-        first = np.searchsorted(sources, sources)
+        at = np.arange(len(sources))
+        layer = at - np.maximum.accumulate(np.where(np.diff(sources, prepend=-1) != 0, at, 0))
         part = np.searchsorted(parts, sources, side="right")
-        by_layer = np.lexsort((sources, np.arange(len(sources)) - first, part))
-        order, sources, part = order[by_layer], sources[by_layer], part[by_layer]
+        if layer.any():
+            by_layer = np.lexsort((layer, part))  # which keeps the order of the sources
+            order, sources, part = order[by_layer], sources[by_layer], part[by_layer]
         begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
         self._runs = np.column_stack([begins, np.append(begins, len(sources))[1:], sources[begins] - begins])
         self._starts = np.searchsorted(part[begins], np.arange(1, len(parts) + 1))
         self._targets = targets[order].astype(np.uint32)  # without sign, so that Numba does not look for negative ones
-        self._table, codes = np.unique(factors[order].astype(float), return_inverse=True)
+        factors = factors[order].astype(float)
+        self._table = np.unique(factors)
+        codes = np.searchsorted(self._table, factors)
         self._codes: NDArray[np.integer] = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
 
     def add(self, x: Floats, used: Bools, out: Floats) -> None:
@@ -123,7 +127,7 @@ def _add_parts(
             for run in range(starts[part], starts[part + 1]):
                 ahead = runs[run, 2]
                 for i in range(runs[run, 0], runs[run, 1]):
-                    out[targets[i]] += table[codes[i]] * x[i + ahead]
+                    out[targets[i]] += table[codes[i]] * number_at(x, i + ahead)
 
 
 class VectorOperator:

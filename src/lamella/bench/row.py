@@ -45,6 +45,10 @@ class Row:
         """This row with the ratio of its time to that of ``own``."""
         return replace(self, ratio=self.time / own.time)
 
+    def noting(self, text: str) -> Self:
+        """This row with more in its note."""
+        return replace(self, note=f"{self.note}, {text}" if self.note else text)
+
 
 def beside_first(rows: Iterable[Row]) -> list[Row]:
     """Rows of the same work with their ratios to the first."""

@@ -14,7 +14,7 @@ from lamella.contact.kernels import ANCHOR, FIELDS, TOTALS, Body, force, work_si
 from lamella.contact.point import Law
 from lamella.contact.sheet import Sheet
 from lamella.contact.tangent import force_tangent
-from lamella.element.packing import aligned
+from lamella.lane import aligned
 from lamella.roles import Floats, ForceBlock, Ints
 
 FIXED = np.concatenate([np.zeros(3), np.eye(3).reshape(-1)])

@@ -8,9 +8,8 @@ import numpy as np
 
 from lamella._jit import inlined
 from lamella.contact.gap import CYLINDER, PLANE, Obstacle, positive
-from lamella.element.packing import aligned
 from lamella.element.plate48.strain import Vector, combined, dot
-from lamella.lane import WIDTH, chosen, load_at, spread, sqrt, store_at
+from lamella.lane import WIDTH, aligned, chosen, load_at, spread, sqrt, store_at
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, Ints
 

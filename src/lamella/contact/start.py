@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import lsq_linear
-from scipy.spatial import ConvexHull
 
 from lamella.contact.block import ContactBlock
 from lamella.contact.gap import CYLINDER
@@ -60,6 +58,8 @@ def check_start(item: str, at: Marker, build: Build, mesh: PlateMesh, block: Con
 
 def _check_cylinders(item: str, at: Marker, build: Build, block: ContactBlock, others: list[ContactBlock]) -> None:
     """Refuse a cylinder that overlaps that of another body; on one body they are one obstacle, such as a roller with flanges."""
+    from scipy.optimize import lsq_linear  # imported late: some tenths of a second that most models never need
+
     q = build.initial.reshape(-1)
     centre, axis = block.place(q)
     for other in others:
@@ -99,6 +99,8 @@ def _check_loop(item: str, build: Build, mesh: PlateMesh, block: ContactBlock, o
     if block.name not in [name for name, _ in inside]:
         return
     length = float(np.linalg.norm(np.diff(loop, axis=0), axis=1).sum())
+    from scipy.spatial import ConvexHull  # imported late: some tenths of a second that most models never need
+
     needed = float(ConvexHull(np.concatenate([circle for _, circle in inside])).area)  # of a plane figure: its circumference
     if needed > (1.0 + SHORT) * length:
         names = " and ".join(f"'{name}'" for name, _ in inside)

@@ -4,18 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
-
-CACHE_LINE = 8
-"""Numbers in a cache line of 64 bytes."""
-
-
-def aligned(size: int) -> Floats:
-    """A flat array of zeros whose first entry starts a cache line, so that no lane lies across two."""
-    raw = np.zeros(size + CACHE_LINE)
-    first = -(raw.ctypes.data // raw.itemsize) % CACHE_LINE
-    return raw[first : first + size]
 
 
 def n_blocks(n_element: int) -> int:

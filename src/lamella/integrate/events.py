@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from lamella.assembly.equations import Equations
 from lamella.dofs import Signal, Trigger
@@ -105,6 +104,8 @@ class EventWatch(Memory):
 
     def _cut(self, stepper: Stepper, crossed: tuple[_Watched, float], dt: float) -> tuple[StepOutcome, float]:
         """The step that ends just behind an event, by Brent's method on its length; the whole step where a trial fails."""
+        from scipy.optimize import brentq  # imported late: some tenths of a second that most models never need
+
         item, end = crossed
 
         def value(length: float) -> float:

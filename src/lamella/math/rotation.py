@@ -25,7 +25,10 @@ def matrix_from_vector(vector: Floats) -> Floats:
     Returns:
         R [-], shape (..., 3, 3).
     """
-    return _transform().from_rotvec(np.asarray(vector, float)).as_matrix()
+    given = np.asarray(vector, float)
+    if not given.any():  # most bodies are not turned, and need not wait for SciPy's rotations
+        return np.tile(np.eye(3), (*given.shape[:-1], 1, 1))
+    return _transform().from_rotvec(given).as_matrix()
 
 
 def vector_from_matrix(R: Floats) -> Floats:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from lamella.body.base import Marker
 from lamella.body.ground import Ground
@@ -130,6 +129,8 @@ def nearest_crossing(s: Floats, vectors: Floats, r: Ints, r_s: Ints, origin: Vec
     """
     c, n = origin.at(vectors), normal.at(vectors)
     points, slopes = vectors[r] - c, vectors[r_s]
+    from scipy.interpolate import CubicHermiteSpline  # imported late: some tenths of a second that most models never need
+
     roots = CubicHermiteSpline(s, points @ n, slopes @ n).roots(extrapolate=False)
     roots = roots[np.isfinite(roots)]  # an element that lies in the plane has no single place
     if not len(roots):

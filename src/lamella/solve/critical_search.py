@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.sparse import linalg
 
 from lamella.assembly.equations import Equations
@@ -89,6 +88,8 @@ class CriticalSearch:
 
     def _located(self, low: _Place, high: _Place, between: Between) -> list[tuple[_Place, int, Floats]]:
         """Places with the count behind them and the null vector, in order."""
+        from scipy.optimize import brentq  # imported late: some tenths of a second that most models never need
+
         if abs(high.negative - low.negative) > 1 and high.share - low.share > TOLERANCE:
             middle = self._place(0.5 * (low.share + high.share), between)
             if middle is not None:

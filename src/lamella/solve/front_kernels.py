@@ -12,10 +12,10 @@ from __future__ import annotations
 import math
 
 from lamella._jit import inlined, kernel
-from lamella.lane import WIDTH, load_at, store_at
+from lamella.lane import WIDTH, load_at, number_at, store_at
 from lamella.roles import Floats, Ints
 
-BLOCK = 48
+BLOCK = 96
 """Columns of a panel that are factorised before the rest is updated: 3 ``WIDTH`` rows of them stay in the first-level cache."""
 
 
@@ -29,7 +29,7 @@ def _subtract_tall(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     p03, p13, p23 = load_at(c, c3), load_at(c, c3 + WIDTH), load_at(c, c3 + 2 * WIDTH)
     for _ in range(n):
         x, y, z = load_at(a, a0), load_at(a, a0 + WIDTH), load_at(a, a0 + 2 * WIDTH)
-        f0, f1, f2, f3 = b[b0], b[b0 + 1], b[b0 + 2], b[b0 + 3]
+        f0, f1, f2, f3 = number_at(b, b0), number_at(b, b0 + 1), number_at(b, b0 + 2), number_at(b, b0 + 3)
         p00, p10, p20 = p00 - f0 * x, p10 - f0 * y, p20 - f0 * z
         p01, p11, p21 = p01 - f1 * x, p11 - f1 * y, p21 - f1 * z
         p02, p12, p22 = p02 - f2 * x, p12 - f2 * y, p22 - f2 * z
@@ -49,7 +49,8 @@ def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     p0, p1, p2, p3 = load_at(c, c0), load_at(c, c1), load_at(c, c2), load_at(c, c3)
     for _ in range(n):
         x = load_at(a, a0)
-        p0, p1, p2, p3 = p0 - b[b0] * x, p1 - b[b0 + 1] * x, p2 - b[b0 + 2] * x, p3 - b[b0 + 3] * x
+        p0, p1 = p0 - number_at(b, b0) * x, p1 - number_at(b, b0 + 1) * x
+        p2, p3 = p2 - number_at(b, b0 + 2) * x, p3 - number_at(b, b0 + 3) * x
         a0 += a_len
         b0 += 4
     store_at(c, c0, p0), store_at(c, c1, p1), store_at(c, c2, p2), store_at(c, c3, p3)

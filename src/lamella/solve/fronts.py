@@ -9,6 +9,7 @@ Source: J. W. H. Liu, The multifrontal method for sparse matrix solution, SIAM R
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from scipy import sparse
@@ -22,6 +23,10 @@ FRONT_COST = 4000.0
 """Time to set up a front, in multiplications and additions of the dense kernels (some tens of flops a nanosecond)."""
 ADD_COST = 12.0
 """Time to add one entry of an update to the parent, in the same unit."""
+HOPELESS = 3.0
+"""An order with so many times the operations of another, node by node, is not looked at further."""
+
+Number = TypeVar("Number", float, Floats)
 
 
 @dataclass
@@ -73,9 +78,15 @@ def _eliminate(graph: sparse.csr_array, order: Ints) -> tuple[list[set[int]], In
     return left, parent
 
 
-def _operations(p: float, u: float) -> float:
+def _operations(p: Number, u: Number) -> Number:
     """Multiplications and additions of a front."""
     return p**3 / 6 + p * p * u / 2 + p * u * u / 2
+
+
+def _unmerged(left: list[set[int]], weight: Floats) -> float:
+    """Multiplications and additions when each node is a front of its own."""
+    rest = np.array([weight[list(near)].sum() for near in left])
+    return float(np.sum(_operations(weight, rest)))
 
 
 def _cost(p: float, u: float) -> float:
@@ -113,8 +124,11 @@ def fronts_of(graph: sparse.csr_array, weight: Floats) -> tuple[list[Front], flo
     """The fronts of the cheapest order, in nodes, children before parents, and their multiplications and additions."""
     best: list[Front] = []
     cost = np.inf
-    for order in _candidates(graph):
-        left, parent = _eliminate(graph, order)
+    tried = [(order, *_eliminate(graph, order)) for order in _candidates(graph)]
+    counts = [_unmerged(left, weight[order]) for order, left, _ in tried]
+    for (order, left, parent), count in zip(tried, counts, strict=True):
+        if count > HOPELESS * min(counts):
+            continue
         w = weight[order]
         fronts = _merge(left, parent, w)
         total = sum(_cost(w[front.pivots].sum(), w[list(front.rest)].sum()) for front in fronts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 from lamella.solve import front_solution, lu_kernels
 from lamella.solve.base import PIVOT_TOLERANCE
@@ -42,11 +42,11 @@ class MultifrontalLU:
         self._diagonal = sources[layout.diagonal].astype(np.int32)
         self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.int32), starts)
         self._padded_at = layout.pivots[layout.padded]
-        panels = np.zeros(2 * layout.size + WIDTH)
+        panels = aligned(2 * layout.size + WIDTH)
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
-        self._u, self._v = np.zeros(layout.update_size), np.zeros(layout.update_size)
+        self._u, self._v = aligned(layout.update_size), aligned(layout.update_size)
         self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
-        self._b, self._y = np.zeros(BLOCK * layout.longest + WIDTH), np.zeros(layout.longest)
+        self._b, self._y = aligned(BLOCK * layout.longest + WIDTH), aligned(layout.longest)
 
     def factorise(self, k: Floats, more: Floats) -> int:
         """Factorise the matrix of values in both arrays; -1, or the coordinate whose pivot is rounding error."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats
 from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
@@ -26,11 +26,11 @@ class Multifrontal(SymmetricFactor):
         self.pattern = pattern
         self._layout = layout = layout_of(pattern)
         self.cost, self.size = layout.cost, layout.size
-        self._a, self._u = np.zeros(layout.size + WIDTH), np.zeros(layout.update_size)
+        self._a, self._u = aligned(layout.size + WIDTH), aligned(layout.update_size)
         self._signs = np.ones(len(layout.coordinate))
         self._padded_at = layout.pivots[layout.padded]
         self._z = np.zeros(len(layout.coordinate))
-        self._b, self._y = np.zeros(front_kernels.BLOCK * layout.longest + WIDTH), np.zeros(layout.longest)
+        self._b, self._y = aligned(front_kernels.BLOCK * layout.longest + WIDTH), aligned(layout.longest)
 
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""

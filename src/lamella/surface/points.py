@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.surface.base import Surface, SurfacePoints
 from lamella.units import Length
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Point = tuple[Length, Length, Length]
 
@@ -88,6 +90,8 @@ class PointSurface(Surface):
 
 def _spline(at: Floats, values: Floats, axis: int, *, closed: bool) -> BSpline:
     """Interpolating spline of the highest odd degree up to 5 that the points allow."""
+    from scipy.interpolate import make_interp_spline  # imported late: some tenths of a second that most models never need
+
     count = len(at) - 1 if closed else len(at)
     degree = 5 if count > 5 else 3 if count > 3 else min(count - 1, 2)
     return make_interp_spline(at, values, degree, axis=axis, bc_type="periodic" if closed else None)

@@ -11,13 +11,13 @@ from lamella import units
 from lamella.body.plate import Plate
 from lamella.declaration import declaration
 from lamella.dofs import Build, Motion, Signal
-from lamella.element.packing import aligned, packed, packed_targets, unpacked
+from lamella.element.packing import packed, packed_targets, unpacked
 from lamella.element.plate48 import heat_kernels as kernels
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.heated import CrossBlock, GaussPoints
 from lamella.element.plate48.shape import Plate48, gauss_points
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.math.profile import Constant, Profile
 from lamella.math.rotation import matrix_from_vector
 from lamella.roles import Declaration, Floats

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from lamella.element.block import ElementBlock
-from lamella.element.packing import aligned
 from lamella.element.plate36 import kernels
 from lamella.element.plate36.shape import Plate36, expansion
 from lamella.element.plate48.damping import DampedShellBlock, KelvinVoigtBlock
@@ -15,7 +14,7 @@ from lamella.element.plate48.entries import ALL_PAIRS, PAIRS, all_entries, upper
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, product_order
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 
 

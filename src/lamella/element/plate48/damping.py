@@ -7,13 +7,12 @@ from typing import ClassVar
 import numpy as np
 from scipy.sparse import csr_array
 
-from lamella.element.packing import aligned
 from lamella.element.plate48 import damping_kernels as kernels
 from lamella.element.plate48.entries import all_entries
 from lamella.element.plate48.kernels import energy as elastic_energy
 from lamella.element.plate48.layout import Plate48Block, gauss_tables
 from lamella.element.plate48.section import Section
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
 
 

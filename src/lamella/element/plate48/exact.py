@@ -7,12 +7,11 @@ from typing import Protocol
 import numpy as np
 
 from lamella.element.block import ElementBlock
-from lamella.element.packing import aligned
 from lamella.element.plate48 import kernels
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.layout import Plate48Block, gauss_tables
 from lamella.element.plate48.section import Section
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 
 

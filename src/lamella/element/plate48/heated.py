@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella.element.packing import aligned, packed, packed_indices, packed_targets
+from lamella.element.packing import packed, packed_indices, packed_targets
 from lamella.element.plate48 import heat_kernels as kernels
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.interpolation import N_SECTION
@@ -12,7 +12,7 @@ from lamella.element.plate48.layout import GaussTables, Plate48Block, gauss_tabl
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import hermite_table, product_order
 from lamella.element.plate48.strain import Cubed
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, aligned
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, ForceBlock, Ints, Symmetry
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from lamella._jit import njit
 from lamella.element.block import ElementBlock
-from lamella.element.packing import aligned, packed, unpacked
+from lamella.element.packing import packed, unpacked
 from lamella.element.plate48.exact import ExactModel, ShellBlock, reference_tangent
 from lamella.element.plate48.section import Section
-from lamella.lane import WIDTH, load, spread, store
+from lamella.lane import WIDTH, aligned, load, spread, store
 from lamella.roles import Floats, Ints
 
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamella.element.packing import aligned, unpacked
+from lamella.element.packing import unpacked
 from lamella.element.plate48.heated import HeatedShellBlock, ThermalCouplingBlock
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import product_order
+from lamella.lane import aligned
 from lamella.roles import Floats, Ints
 
 
