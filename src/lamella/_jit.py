@@ -116,7 +116,7 @@ class _Announcer(event.Listener):
         """Tell about the first compilation."""
         if not self.started:
             self.started = time.perf_counter()
-            self.say("compiling kernels (first run only, about 20 s) ...")
+            self.say("compiling kernels (first run only, half a minute) ...")
 
     def on_end(self, event: event.Event) -> None:
         """Nothing to say: the end of one kernel is rarely the end of all."""
