@@ -135,6 +135,25 @@ def test_a_matrix_that_is_good_for_one_step_serves_the_first_correction_of_the_n
     assert statistics.residuals - before.residuals == iterations
 
 
+def test_a_solver_that_has_forgotten_works_as_a_new_one():
+    none = np.zeros(0, np.int64)
+    pattern = Pattern(1, np.array([0, 1]), np.array([0]), False, 0, np.zeros(1, np.int64), none)
+    options = lm.Newton(tolerance=1e-5, keep=0.01, line_search="residual")
+    used, new = (NewtonSolver(Stiffening(), linear_solver(pattern, "superlu"), options, Statistics()) for _ in range(2))
+
+    def solve(solver, count):
+        point = Point(0.0, np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(0))
+        before = replace(solver.statistics)
+        for k in range(count):
+            solver.equations.load = 1.1**k
+            assert solver.solve(point, STATIC).converged
+        return point.u[0], solver.statistics.solves - before.solves, solver.statistics.residuals - before.residuals
+
+    solve(used, 6)
+    used.forget()
+    assert solve(used, 3) == solve(new, 3)
+
+
 def test_statistics_count_the_work():
     solver, point, statistics = problem()
     report = solver.solve(point, STATIC)

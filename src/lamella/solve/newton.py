@@ -120,7 +120,11 @@ class NewtonSolver:
         return float(np.max(np.abs(du * self._per_magnitude), initial=0.0))
 
     def forget(self) -> None:
-        """Do not use the present factorisation again."""
+        """Go on as a new solver: without the present factorisation, and without what earlier ones have told."""
+        self._drop()
+        self._short_lived = False
+
+    def _drop(self) -> None:
         self._factored_for = None
 
     def solve(self, point: Point, weights: Weights, reference: Floats | None = None) -> NewtonReport:
@@ -148,7 +152,7 @@ class NewtonSolver:
                     self._factorise(matrix, weights)
                 du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
-                self.forget()
+                self._drop()
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
             moved = u, ud, udd = np.empty_like(point.u), np.empty_like(point.u), np.empty_like(point.u)
@@ -157,7 +161,7 @@ class NewtonSolver:
                 n, weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate, *moved,
             )  # fmt: skip
             if not isfinite(size):
-                self.forget()
+                self._drop()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
             contraction = size / last if isfinite(last) else 0.5
             goal = max(self.options.tolerance * change, SMALLEST)
@@ -166,7 +170,7 @@ class NewtonSolver:
                 self._short_lived = not small  # else the one before would have done as well
             elif not fresh and isfinite(last) and not promising:
                 self._short_lived |= self._age == 1
-                self.forget()  # a kept factorisation that converges slowly: evaluate the matrix here instead
+                self._drop()  # a kept factorisation that converges slowly: evaluate the matrix here instead
                 last = np.inf
                 continue
             before = point.u
@@ -194,9 +198,9 @@ class NewtonSolver:
             if size > 1e6:
                 break
             if renewed or (fresh and not untried and not promising):
-                self.forget()
+                self._drop()
             last = size
-        self.forget()
+        self._drop()
         return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
 
     def _promising(self, size: float, contraction: float, goal: float) -> bool:
