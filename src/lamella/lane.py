@@ -221,9 +221,9 @@ def number_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = cgutils.create_struct_proxy(sig.args[0])(context, builder, args[0]).data
-        return builder.load(builder.gep(data, [args[1]]), align=8)
+        return builder.load(builder.gep(data, [args[1]]))
 
-    return types.float64(array, types.intp), generate
+    return array.dtype(array, types.intp), generate
 
 
 @intrinsic

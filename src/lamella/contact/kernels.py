@@ -13,7 +13,7 @@ from lamella.contact.gap import Obstacle, distance, gap, positive
 from lamella.contact.point import Axes, Force, Law, Relative, contact, due_to_velocity, tangential, weighted
 from lamella.contact.sheet import Sheet, gather, interpolate, near
 from lamella.element.plate48.strain import Vector, combined, combined3, cross, dot
-from lamella.lane import WIDTH, chosen, load_at, spread, sqrt, store_at, total
+from lamella.lane import WIDTH, chosen, load_at, number_at, spread, sqrt, store_at, total
 from lamella.roles import Floats, Ints
 
 CHANGES = 144
@@ -160,8 +160,8 @@ def add_to_element(sheet: Sheet, points: Ints, places: Ints, count: int, work: F
     for b in range(0, wide, WIDTH):
         x, y, z = spread(0.0), spread(0.0), spread(0.0)
         for i in range(count):
-            S, at = load_at(sheet.rows, points[i] * wide + b), h + places[i]
-            x, y, z = x + work[at] * S, y + work[at + n] * S, z + work[at + 2 * n] * S
+            S, at = load_at(sheet.rows, number_at(points, i) * wide + b), h + number_at(places, i)
+            x, y, z = x + number_at(work, at) * S, y + number_at(work, at + n) * S, z + number_at(work, at + 2 * n) * S
         store_at(f, first + b, x)
         store_at(f, first + wide + b, y)
         store_at(f, first + 2 * wide + b, z)

@@ -9,7 +9,7 @@ import numpy as np
 from lamella._jit import inlined
 from lamella.contact.gap import CYLINDER, PLANE, Obstacle, positive
 from lamella.element.plate48.strain import Vector, combined, dot
-from lamella.lane import WIDTH, aligned, chosen, load_at, spread, sqrt, store_at
+from lamella.lane import WIDTH, aligned, chosen, load_at, number_at, spread, sqrt, store_at
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, Ints
 
@@ -118,9 +118,9 @@ def gather(q: Floats, sheet: Sheet, element: int, work: Floats, to: int) -> None
     """Scaled vectors of an element to work[to:], (component, vector)."""
     n, first = sheet.n_vector, element * sheet.n_vector
     for k in range(n):
-        factor = sheet.scale[first + k]
+        factor = number_at(sheet.scale, first + k)
         for c in range(3):
-            work[to + c * n + k] = factor * q[sheet.coords[3 * (first + k) + c]]
+            work[to + c * n + k] = factor * number_at(q, number_at(sheet.coords, 3 * (first + k) + c))
 
 
 @inlined
@@ -133,8 +133,8 @@ def interpolate(sheet: Sheet, work: Floats, source: int, to: int) -> None:
         for k in range(source, source + n, 2):
             at = (k - source) * points + p
             S, T = load_at(sheet.columns, at), load_at(sheet.columns, at + points)
-            x, y, z = x + work[k] * S, y + work[k + n] * S, z + work[k + 2 * n] * S
-            u, v, w = u + work[k + 1] * T, v + work[k + n + 1] * T, w + work[k + 2 * n + 1] * T
+            x, y, z = x + number_at(work, k) * S, y + number_at(work, k + n) * S, z + number_at(work, k + 2 * n) * S
+            u, v, w = u + number_at(work, k + 1) * T, v + number_at(work, k + n + 1) * T, w + number_at(work, k + 2 * n + 1) * T
         store_at(work, to + p, x + u)
         store_at(work, to + points + p, y + v)
         store_at(work, to + 2 * points + p, z + w)

@@ -30,7 +30,7 @@ from lamella.contact.kernels import (
 from lamella.contact.point import Law
 from lamella.contact.sheet import Sheet
 from lamella.element.plate48.strain import Vector
-from lamella.lane import WIDTH, load_at, spread, store_at, total
+from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
 from lamella.roles import Bools, Floats, Ints
 
 
@@ -52,13 +52,13 @@ def _element_block(sheet: Sheet, points: Ints, places: Ints, count: int, work: F
             yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
             zx, zy, zz = spread(0.0), spread(0.0), spread(0.0)
             for i in range(count):
-                at, row = points[i] * wide, kept + places[i]
-                S = sheet.rows[at + a] * load_at(sheet.rows, at + b)
-                xx, xy, xz = xx + work[row] * S, xy + work[row + to_next] * S, xz + work[row + 2 * to_next] * S
+                at, row = number_at(points, i) * wide, kept + number_at(places, i)
+                S = number_at(sheet.rows, at + a) * load_at(sheet.rows, at + b)
+                xx, xy, xz = xx + number_at(work, row) * S, xy + number_at(work, row + to_next) * S, xz + number_at(work, row + 2 * to_next) * S
                 row += row_step
-                yx, yy, yz = yx + work[row] * S, yy + work[row + to_next] * S, yz + work[row + 2 * to_next] * S
+                yx, yy, yz = yx + number_at(work, row) * S, yy + number_at(work, row + to_next) * S, yz + number_at(work, row + 2 * to_next) * S
                 row += row_step
-                zx, zy, zz = zx + work[row] * S, zy + work[row + to_next] * S, zz + work[row + 2 * to_next] * S
+                zx, zy, zz = zx + number_at(work, row) * S, zy + number_at(work, row + to_next) * S, zz + number_at(work, row + 2 * to_next) * S
             to = first + a * wide + b
             _store_row(k, to, step, (xx, xy, xz))
             _store_row(k, to + 3 * step, step, (yx, yy, yz))
@@ -81,13 +81,13 @@ def _weighted_sums(
         yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
         zx, zy, zz = spread(0.0), spread(0.0), spread(0.0)
         for i in range(count):
-            row = source + places[i]
-            S = sign * load_at(sheet.rows, points[i] * wide + b)
-            xx, xy, xz = xx + work[row] * S, xy + work[row + n] * S, xz + work[row + 2 * n] * S
+            row = source + number_at(places, i)
+            S = sign * load_at(sheet.rows, number_at(points, i) * wide + b)
+            xx, xy, xz = xx + number_at(work, row) * S, xy + number_at(work, row + n) * S, xz + number_at(work, row + 2 * n) * S
             row += 12 * n
-            yx, yy, yz = yx + work[row] * S, yy + work[row + n] * S, yz + work[row + 2 * n] * S
+            yx, yy, yz = yx + number_at(work, row) * S, yy + number_at(work, row + n) * S, yz + number_at(work, row + 2 * n) * S
             row += 12 * n
-            zx, zy, zz = zx + work[row] * S, zy + work[row + n] * S, zz + work[row + 2 * n] * S
+            zx, zy, zz = zx + number_at(work, row) * S, zy + number_at(work, row + n) * S, zz + number_at(work, row + 2 * n) * S
         _store_row(k, to + b, step, (xx, xy, xz))
         _store_row(k, to + row_step + b, step, (yx, yy, yz))
         _store_row(k, to + 2 * row_step + b, step, (zx, zy, zz))
