@@ -213,7 +213,7 @@ def load_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
 
 
 @intrinsic
-def number_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
+def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
     """``number_at(array, index)``: array[index] for an index that is not negative.
 
     Numba asks of every index whether it counts from the end, which costs as much as two or three multiplications of lanes.

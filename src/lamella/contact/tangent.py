@@ -11,6 +11,8 @@ then stay in registers, and each entry of the buffer is written once:
 
 from __future__ import annotations
 
+from typing import Any
+
 from lamella._jit import inlined, kernel
 from lamella.contact.change import store_changes
 from lamella.contact.gap import Obstacle
@@ -42,27 +44,33 @@ def _store_row(k: Floats, to: int, step: int, row: Vector) -> None:
 
 
 @inlined
+def _with_row(u: Vector, work: Floats, at: int, step: int, S: Any) -> Vector:
+    """u and S times three numbers of work."""
+    return (
+        u[0] + number_at(work, at) * S,
+        u[1] + number_at(work, at + step) * S,
+        u[2] + number_at(work, at + 2 * step) * S,
+    )
+
+
+@inlined
 def _element_block(sheet: Sheet, points: Ints, places: Ints, count: int, work: Floats, kept: int, k: Floats, first: int) -> None:
     """sum_p S_a S_b dh_i/ds_j over the points that touch, nine sums at a time in registers; symmetric in a and b."""
     n, wide, to_next = sheet.n_vector, sheet.vectors, sheet.points
-    step, row_step = n * wide, 12 * to_next
+    step, row_step, none = n * wide, 12 * to_next, spread(0.0)
     for a in range(n):
         for b in range(a - a % WIDTH, wide, WIDTH):
-            xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
-            yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
-            zx, zy, zz = spread(0.0), spread(0.0), spread(0.0)
+            x, y, z = (none, none, none), (none, none, none), (none, none, none)
             for i in range(count):
                 at, row = number_at(points, i) * wide, kept + number_at(places, i)
                 S = number_at(sheet.rows, at + a) * load_at(sheet.rows, at + b)
-                xx, xy, xz = xx + number_at(work, row) * S, xy + number_at(work, row + to_next) * S, xz + number_at(work, row + 2 * to_next) * S
-                row += row_step
-                yx, yy, yz = yx + number_at(work, row) * S, yy + number_at(work, row + to_next) * S, yz + number_at(work, row + 2 * to_next) * S
-                row += row_step
-                zx, zy, zz = zx + number_at(work, row) * S, zy + number_at(work, row + to_next) * S, zz + number_at(work, row + 2 * to_next) * S
+                x = _with_row(x, work, row, to_next, S)
+                y = _with_row(y, work, row + row_step, to_next, S)
+                z = _with_row(z, work, row + 2 * row_step, to_next, S)
             to = first + a * wide + b
-            _store_row(k, to, step, (xx, xy, xz))
-            _store_row(k, to + 3 * step, step, (yx, yy, yz))
-            _store_row(k, to + 6 * step, step, (zx, zy, zz))
+            _store_row(k, to, step, x)
+            _store_row(k, to + 3 * step, step, y)
+            _store_row(k, to + 6 * step, step, z)
     for pair in range(first, first + 9 * step, step):
         for a in range(WIDTH, n):
             for b in range(a - a % WIDTH):
@@ -75,22 +83,18 @@ def _weighted_sums(
     k: Floats, to: int, row_step: int, step: int,
 ) -> None:  # fmt: skip
     """sign sum_p S_b M_ij of 3 x 3 derivatives M at work[source:], to k[to + i row_step + j step + b]."""
-    wide, n = sheet.vectors, sheet.points
+    wide, n, none = sheet.vectors, sheet.points, spread(0.0)
     for b in range(0, wide, WIDTH):
-        xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
-        yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
-        zx, zy, zz = spread(0.0), spread(0.0), spread(0.0)
+        x, y, z = (none, none, none), (none, none, none), (none, none, none)
         for i in range(count):
             row = source + number_at(places, i)
             S = sign * load_at(sheet.rows, number_at(points, i) * wide + b)
-            xx, xy, xz = xx + number_at(work, row) * S, xy + number_at(work, row + n) * S, xz + number_at(work, row + 2 * n) * S
-            row += 12 * n
-            yx, yy, yz = yx + number_at(work, row) * S, yy + number_at(work, row + n) * S, yz + number_at(work, row + 2 * n) * S
-            row += 12 * n
-            zx, zy, zz = zx + number_at(work, row) * S, zy + number_at(work, row + n) * S, zz + number_at(work, row + 2 * n) * S
-        _store_row(k, to + b, step, (xx, xy, xz))
-        _store_row(k, to + row_step + b, step, (yx, yy, yz))
-        _store_row(k, to + 2 * row_step + b, step, (zx, zy, zz))
+            x = _with_row(x, work, row, n, S)
+            y = _with_row(y, work, row + 12 * n, n, S)
+            z = _with_row(z, work, row + 24 * n, n, S)
+        _store_row(k, to + b, step, x)
+        _store_row(k, to + row_step + b, step, y)
+        _store_row(k, to + 2 * row_step + b, step, z)
 
 
 @kernel

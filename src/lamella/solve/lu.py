@@ -40,7 +40,7 @@ class MultifrontalLU:
         starts = np.searchsorted(part[order], np.arange(2 * len(layout.fronts) - 1))
         numbers = np.where(sources < 0, -1 - sources, sources)[order]
         self._diagonal = sources[layout.diagonal].astype(np.int32)
-        self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.int32), starts)
+        self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.uint32), starts)
         self._padded_at = layout.pivots[layout.padded]
         panels = aligned(2 * layout.size + WIDTH)
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]

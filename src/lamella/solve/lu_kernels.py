@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lamella._jit import inlined, kernel
-from lamella.lane import WIDTH, load_at, store_at
+from lamella.lane import WIDTH, load_at, number_at, store_at
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
 
@@ -21,20 +24,20 @@ class Entries(NamedTuple):
 
     Args:
         sources: number of each value in the first or the second of two arrays.
-        slots: its place in the panels.
+        slots: its place in the panels, without sign, so that Numba does not look for negative ones.
         starts: where the values of each front from the first and from the second array begin, and where they all end,
             shape (2 n_front + 1,).
     """
 
     sources: Indices
-    slots: Indices
+    slots: NDArray[np.uint32]
     starts: Ints
 
 
 @inlined
 def value(k: Floats, more: Floats, source: int) -> float:
     """The value of a source: its number among those of the first array, or -1 less its number among those of the second."""
-    return k[source] if source >= 0 else more[-1 - source]
+    return number_at(k, source) if source >= 0 else number_at(more, -1 - source)
 
 
 @kernel
@@ -175,9 +178,9 @@ def factorise(
         clear(a, a0, p * a_len)
         clear(c, a0, p * a_len)
         for i in range(entries.starts[2 * f], entries.starts[2 * f + 1]):
-            panels[entries.slots[i]] = k[entries.sources[i]]
+            panels[entries.slots[i]] = number_at(k, number_at(entries.sources, i))
         for i in range(entries.starts[2 * f + 1], entries.starts[2 * f + 2]):
-            panels[entries.slots[i]] = more[entries.sources[i]]
+            panels[entries.slots[i]] = number_at(more, number_at(entries.sources, i))
         while padded < len(ones_at) and ones_at[padded] < end:
             a[ones_at[padded]] = 1.0
             padded += 1

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lamella._jit import kernel
-from lamella.lane import WIDTH, load_at, store_at, total
+from lamella._jit import inlined, kernel
+from lamella.lane import WIDTH, load_at, number_at, store_at, total
 from lamella.lane import spread as spread_out
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.lu_kernels import value
@@ -82,28 +82,34 @@ class Core(NamedTuple):
 
 
 @kernel
-def reduce_panel(k: Floats, source: Indices, slots: Ints, stride: int, N: Floats, kept: Floats, out: Floats) -> None:
+def reduce_panel(
+    k: Floats, source: Indices, slots: Ints, stride: int, N: Floats, kept: Floats, room: Floats, out: Floats
+) -> None:
     """Keep the values of a panel K_fg (m, f), and write K_fg N (f, n) to out[slots[f] + n stride].
 
     Args:
         k: values of the matrix.
-        source: number of each value of the panel, -1 where there is none.
+        source: number of each value of the panel, flat, -1 where there is none.
         slots: place of each row of the product.
         stride: distance of its entries.
         N: motions of the group.
-        kept, out: results.
+        kept: the values, flat, with f filled up to whole lanes.
+        room: for a number of each f.
+        out: the product.
     """
     m, n = N.shape
-    for i in range(m):
-        for f in range(source.shape[1]):
-            found = k[max(source[i, f], 0)]
-            kept[i, f] = found if source[i, f] >= 0 else 0.0
+    wide = len(source) // m
+    for e in range(len(source)):
+        found = number_at(source, e)
+        kept[e] = number_at(k, found) if found >= 0 else 0.0
     for a in range(n):
+        for f in range(0, wide, WIDTH):
+            sums = spread_out(0.0)
+            for i in range(m):
+                sums = sums + N[i, a] * load_at(kept, i * wide + f)
+            store_at(room, f, sums)
         for f in range(len(slots)):
-            out[slots[f] + a * stride] = kept[0, f] * N[0, a]
-        for i in range(1, m):
-            for f in range(len(slots)):
-                out[slots[f] + a * stride] += kept[i, f] * N[i, a]
+            out[number_at(slots, f) + a * stride] = number_at(room, f)
 
 
 @kernel
@@ -136,15 +142,26 @@ def scaled(magnitude: Floats, probe: Floats, b: Floats, z: Floats) -> None:
         z[i] = b[i]
 
 
+@inlined
+def _term(A: Rows, k: Floats, more: Floats, x: Floats, e: int) -> float:
+    return value(k, more, number_at(A.sources, e)) * number_at(x, number_at(A.columns, e))
+
+
 @kernel
 def residual(A: Rows, k: Floats, more: Floats, b: Floats, x: Floats, rest: Floats) -> None:
     """rest = b - A x, in compressed rows; zero in the rows that A has not."""
     rest[:] = 0.0
     for i in range(len(A.rows)):
-        total = 0.0
-        for e in range(A.starts[i], A.starts[i + 1]):
-            total += value(k, more, A.sources[e]) * x[A.columns[e]]
-        rest[A.rows[i]] = b[A.rows[i]] - total
+        one, two, three, four = 0.0, 0.0, 0.0, 0.0  # several sums, as additions would wait for each other
+        first, end = A.starts[i], A.starts[i + 1]
+        for e in range(first, end - 3, 4):
+            one += _term(A, k, more, x, e)
+            two += _term(A, k, more, x, e + 1)
+            three += _term(A, k, more, x, e + 2)
+            four += _term(A, k, more, x, e + 3)
+        for e in range(end - (end - first) % 4, end):
+            one += _term(A, k, more, x, e)
+        rest[A.rows[i]] = b[A.rows[i]] - (one + two + three + four)
 
 
 @kernel
@@ -236,10 +253,10 @@ def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -
         for f in range(0, wide, WIDTH):
             sums = spread_out(0.0)
             for i in range(m):
-                sums = sums + x[motions.coords[first + i]] * load_at(panels.kept, at + i * wide + f)
+                sums = sums + number_at(x, number_at(motions.coords, first + i)) * load_at(panels.kept, at + i * wide + f)
             store_at(room, f, sums)
         for f in range(count):
-            out[panels.near[near + f]] -= room[f]
+            out[number_at(panels.near, near + f)] -= number_at(room, f)
 
 
 @kernel
@@ -251,7 +268,7 @@ def _subtract_transposed(panels: Panels, motions: Motions, x: Floats, out: Float
         near, count, at = panels.near_at[g], panels.near_at[g + 1] - panels.near_at[g], panels.kept_at[g]
         wide = (panels.kept_at[g + 1] - at) // m
         for f in range(count):
-            room[f] = x[panels.near[near + f]]
+            room[f] = number_at(x, number_at(panels.near, near + f))
         room[count:wide] = 0.0
         for i in range(m):
             sums = spread_out(0.0)

@@ -45,15 +45,12 @@ class _Reduced:
         kept_at = np.cumsum([0, *sizes])
         room = np.zeros(max((part.source.shape[1] for part in parts), default=0))
         self.panels = Panels(near, near_at, np.zeros(kept_at[-1]), kept_at, room)
-        self._views = [
-            self.panels.kept[at : at + size].reshape(part.source.shape)
-            for at, size, part in zip(kept_at, sizes, parts, strict=False)
-        ]
+        self._views = [self.panels.kept[at : at + size] for at, size in zip(kept_at, sizes, strict=False)]
 
     def reduce(self, k: Floats, groups: Sequence[Group], out: Floats) -> None:
         """Keep the values, and write K_fg N."""
         for part, group, kept in zip(self._parts, groups, self._views, strict=True):
-            reduce_panel(k, part.source, part.slots, part.stride, group.N, kept, out)
+            reduce_panel(k, part.source.reshape(-1), part.slots, part.stride, group.N, kept, self.panels.room, out)
 
 
 @dataclass(frozen=True)
