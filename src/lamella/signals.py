@@ -227,7 +227,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
     forces_of = elimination.forces_of(elimination.moving)
 
     def kinetic(state: State) -> float:
-        return 0.5 * float(state.v @ equations.momentum(state.v))
+        return 0.5 * float(state.v @ equations.momentum(state.v)) if state.v.any() else 0.0  # statics then needs no mass
 
     def strain(state: State) -> float:
         return sum(block.energy(state.t, state.q) for block in model.forces)

@@ -160,12 +160,14 @@ class StaticRun:
         """The outcome of a completed solution, with a word of warning when the equilibrium is unstable."""
         if not outcome.completed:
             return outcome
-        _, _, k, j = self.equations.linearise(self.point, STATIC)
-        try:
-            self.newton.linear.factorise(k, j)
-        except SingularSystemError:
-            return replace(outcome, detail="at a critical point: the stiffness is singular")
-        negative = self.newton.linear.negative_pivots or 0
+        negative = self.search.negative_at(self.point)
+        if negative is None:
+            _, _, k, j = self.equations.linearise(self.point, STATIC)
+            try:
+                self.newton.linear.factorise(k, j)
+            except SingularSystemError:
+                return replace(outcome, detail="at a critical point: the stiffness is singular")
+            negative = self.newton.linear.negative_pivots or 0
         self.statistics.negative_pivots = negative
         text = f"unstable: the stiffness has {negative} negative eigenvalue{'s' * (negative > 1)}"
         return replace(outcome, detail=text) if negative else outcome

@@ -60,6 +60,10 @@ class CriticalSearch:
         self.jumped = False
         """Whether no path was found between the last two points, although an eigenvalue has changed its sign between them."""
 
+    def negative_at(self, point: Point) -> int | None:
+        """Negative eigenvalues at the last point if it is this one; None where they are not known."""
+        return self._last[1] if self._last is not None and self._last[0] is point else None
+
     def begin(self, point: Point) -> None:
         """Start from an equilibrium."""
         self.jumped = False

@@ -8,7 +8,9 @@ Source: J. W. H. Liu, The multifrontal method for sparse matrix solution, SIAM R
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -38,17 +40,25 @@ class Front:
 
 
 def nodes_of(pattern: Pattern) -> tuple[list[Ints], sparse.csr_array]:
-    """Groups of coordinates with the same neighbours, in A or in A^T, and the graph of the groups: ones, with the diagonal."""
-    ones = pattern.matrix(np.ones(len(pattern.indices)))
-    graph = ((ones if pattern.symmetric else ones + ones.T) + sparse.eye_array(pattern.n)).tocsr()
-    graph.sort_indices()
-    groups: dict[bytes, list[int]] = {}
-    for i in range(pattern.n):
-        groups.setdefault(graph.indices[graph.indptr[i] : graph.indptr[i + 1]].tobytes(), []).append(i)
-    nodes = [np.array(group) for group in groups.values()]
-    heads = np.array([group[0] for group in nodes], dtype=np.int64)
-    reduced = graph[heads][:, heads].tocsr()
-    return nodes, sparse.csr_array((np.ones(reduced.nnz), reduced.indices, reduced.indptr), shape=reduced.shape)
+    """Groups of coordinates with the same neighbours, in A and in A^T, and the graph of the groups: ones, with the diagonal."""
+    rows, cols = pattern.rows, np.asarray(pattern.indices, np.int64)
+    # Equal sums of random numbers of 64 bits, one for each coordinate, are those of equal sets.
+    marks = np.random.default_rng(0).integers(0, 2**64, pattern.n, np.uint64)
+    of_row, of_column = np.add.reduceat(marks[cols], pattern.indptr[:-1]), np.zeros_like(marks)
+    np.add.at(of_column, cols, marks[rows])
+    neighbours = of_row + of_column - marks if pattern.symmetric else of_row + np.uint64(3) * of_column
+    _, heads, group = np.unique(neighbours, return_index=True, return_inverse=True)
+    number = np.empty(len(heads), np.int64)
+    number[np.argsort(heads)] = np.arange(len(heads))  # in the order of their first coordinates
+    group = number[group]
+    of_heads = np.zeros(pattern.n, bool)
+    of_heads[heads] = True
+    kept = of_heads[rows] & of_heads[cols]
+    rows, cols = group[rows[kept]], group[cols[kept]]
+    both, shape = (np.concatenate([rows, cols]), np.concatenate([cols, rows])), (len(heads), len(heads))
+    graph = sparse.csr_array(sparse.coo_array((np.ones(len(both[0])), both), shape=shape))  # sums what is there twice
+    graph.data[:] = 1.0
+    return np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))[:-1]), graph
 
 
 def _candidates(graph: sparse.csr_array) -> list[Ints]:
@@ -61,50 +71,60 @@ def _candidates(graph: sparse.csr_array) -> list[Ints]:
     return [natural, np.asarray(reverse_cuthill_mckee(graph, symmetric_mode=True)), np.argsort(by_degree), np.asarray(by_degree)]
 
 
-def _eliminate(graph: sparse.csr_array, order: Ints) -> tuple[list[set[int]], Ints]:
+def _eliminate(graph: sparse.csr_array, order: Ints) -> tuple[list[set[int]], list[int]]:
     """Neighbours left when each node is eliminated, and its parent in the elimination tree (-1 for a root), by position."""
     n = len(order)
     position = np.argsort(order)
-    parent = np.full(n, -1)
-    left: list[set[int]] = [set() for _ in range(n)]
+    rows, cols = np.repeat(position, np.diff(graph.indptr)), position[graph.indices]
+    later = np.flatnonzero(cols > rows)
+    later = later[np.argsort(rows[later], kind="stable")]
+    starts = np.searchsorted(rows[later], np.arange(n + 1)).tolist()
+    near = cols[later].tolist()
+    left = [set(near[first:end]) for first, end in pairwise(starts)]
+    parent = [-1] * n
     for j in range(n):
-        node = order[j]
-        near = position[graph.indices[graph.indptr[node] : graph.indptr[node + 1]]]
-        left[j].update(near[near > j].tolist())
-        left[j].discard(j)
-        if left[j]:
-            parent[j] = min(left[j])
-            left[parent[j]] |= left[j]
+        rest = left[j]
+        rest.discard(j)
+        if rest:
+            parent[j] = min(rest)
+            left[parent[j]] |= rest
     return left, parent
 
 
-def _operations(p: Number, u: Number) -> Number:
+def operations(p: Number, u: Number) -> Number:
     """Multiplications and additions of a front."""
     return p**3 / 6 + p * p * u / 2 + p * u * u / 2
 
 
-def _unmerged(left: list[set[int]], weight: Floats) -> float:
-    """Multiplications and additions when each node is a front of its own."""
-    rest = np.array([weight[list(near)].sum() for near in left])
-    return float(np.sum(_operations(weight, rest)))
-
-
 def _cost(p: float, u: float) -> float:
-    return _operations(p, u) + FRONT_COST + ADD_COST * u * u / 2
+    return operations(p, u) + FRONT_COST + ADD_COST * u * u / 2
 
 
-def _merge(left: list[set[int]], parent: Ints, weight: Floats) -> list[Front]:
-    """Fronts in the order of elimination: each child is merged into its parent when that saves time."""
+def _sums(weight: list[float], sets: Sequence[Iterable[int]]) -> list[float]:
+    """Sums of weights over the members of each set."""
+    return [sum(map(weight.__getitem__, members)) for members in sets]
+
+
+def _merge(left: list[set[int]], parent: list[int], weight: list[float], sizes: list[float]) -> list[Front]:
+    """Fronts in the order of elimination: each child is merged into its parent when that saves time.
+
+    Args:
+        left, parent: as :func:`_eliminate` finds them.
+        weight: coordinates of each node.
+        sizes: coordinates left when each node is eliminated.
+    """
     n = len(left)
     front = [Front([j], left[j]) for j in range(n)]
     children: list[list[int]] = [[] for _ in range(n)]
-    p, u = weight.copy(), np.array([weight[list(rest)].sum() for rest in left])
+    p, alone = weight.copy(), [_cost(*pair) for pair in zip(weight, sizes, strict=True)]
     for j in range(n):
         kept: list[int] = []
         for c in children[j]:
-            if _cost(p[c] + p[j], u[j]) <= _cost(p[c], u[c]) + _cost(p[j], u[j]):
+            together = _cost(p[c] + p[j], sizes[j])
+            if together <= alone[c] + alone[j]:
                 front[j].pivots = front[c].pivots + front[j].pivots
                 p[j] += p[c]
+                alone[j] = together
                 kept += children[c]
             else:
                 kept.append(c)
@@ -123,17 +143,22 @@ def _merge(left: list[set[int]], parent: Ints, weight: Floats) -> list[Front]:
 def fronts_of(graph: sparse.csr_array, weight: Floats) -> tuple[list[Front], float]:
     """The fronts of the cheapest order, in nodes, children before parents, and their multiplications and additions."""
     best: list[Front] = []
-    cost = np.inf
-    tried = [(order, *_eliminate(graph, order)) for order in _candidates(graph)]
-    counts = [_unmerged(left, weight[order]) for order, left, _ in tried]
-    for (order, left, parent), count in zip(tried, counts, strict=True):
-        if count > HOPELESS * min(counts):
+    cost, of_best = np.inf, 0.0
+    tried = []
+    for order in _candidates(graph):
+        left, parent = _eliminate(graph, order)
+        own = weight[order].tolist()
+        sizes = _sums(own, left)
+        tried.append((order, left, parent, own, sizes, sum(map(operations, own, sizes))))
+    least = min(count for *_, count in tried)
+    for order, left, parent, own, sizes, count in tried:
+        if count > HOPELESS * least:
             continue
-        w = weight[order]
-        fronts = _merge(left, parent, w)
-        total = sum(_cost(w[front.pivots].sum(), w[list(front.rest)].sum()) for front in fronts)
+        fronts = _merge(left, parent, own, sizes)
+        pairs = list(zip(_sums(own, [f.pivots for f in fronts]), _sums(own, [f.rest for f in fronts]), strict=True))
+        total = sum(_cost(*pair) for pair in pairs)
         if total < cost:
-            cost = total
-            best = [Front([int(order[i]) for i in f.pivots], {int(order[i]) for i in f.rest}) for f in fronts]
-    operations = sum(_operations(weight[f.pivots].sum(), weight[list(f.rest)].sum()) for f in best)
-    return best, operations
+            cost, of_best = total, sum(operations(*pair) for pair in pairs)
+            node = order.tolist()
+            best = [Front([node[i] for i in f.pivots], {node[i] for i in f.rest}) for f in fronts]
+    return best, of_best

@@ -12,15 +12,17 @@ from lamella.roles import Floats, Ints
 from lamella.solve.fronts import Front, fronts_of, nodes_of
 
 
-def _up(n: int, multiple: int) -> int:
+def _up(n: Ints, multiple: int) -> Ints:
     return -(-n // multiple) * multiple
 
 
-def _runs(place: Ints, p: int) -> Ints:
-    """Runs of consecutive rows in ``place``, none of which crosses row p: first entry, first row, length; shape (n, 3)."""
-    breaks = np.flatnonzero((np.diff(place) != 1) | (place[1:] == p)) + 1
-    starts = np.concatenate([[0], breaks])
-    return np.column_stack([starts, place[starts], np.diff(np.append(starts, len(place)))])
+def _members(nodes: list[Ints], groups: list[list[int]]) -> tuple[Ints, Ints]:
+    """Coordinates of the nodes of groups, group after group, and how many each group has."""
+    size = np.array([len(node) for node in nodes])
+    listed = np.array([node for group in groups for node in group], dtype=np.int64)
+    owner = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+    counts = np.bincount(owner, size[listed], minlength=len(groups)).astype(np.int64)
+    return np.concatenate([np.zeros(0, np.int64), *(nodes[node] for node in listed)]), counts
 
 
 class Space:
@@ -86,70 +88,79 @@ class FrontLayout:
     def _number(self, nodes: list[Ints], fronts: list[Front]) -> None:
         """Positions of the coordinates: front after front, each padded to a multiple of four pivots."""
         self.fronts = np.full((len(fronts) + 1, 11), -1, dtype=np.int64)
-        self.position = np.zeros(self.n, dtype=np.int64)
-        self._front_of = np.zeros(self.n, dtype=np.int64)
-        first, padded = 0, []
-        for f, front in enumerate(fronts):
-            coords = np.concatenate([nodes[node] for node in front.pivots])
-            self.position[coords] = first + np.arange(len(coords))
-            self._front_of[coords] = f
-            p = _up(len(coords), 4)
-            padded.append(first + np.arange(len(coords), p))
-            self.fronts[f, :2] = first, p
-            first += p
-        self.padded = np.concatenate(padded)
-        self.coordinate = np.full(first, -1)
+        coords, count = _members(nodes, [front.pivots for front in fronts])
+        self._padded_count = _up(count, 4)
+        first = np.cumsum(self._padded_count) - self._padded_count
+        owner = np.repeat(np.arange(len(fronts)), count)
+        self.position, self._front_of = np.zeros(self.n, dtype=np.int64), np.zeros(self.n, dtype=np.int64)
+        self.position[coords] = np.arange(self.n) + (first - np.cumsum(count) + count)[owner]
+        self._front_of[coords] = owner
+        self.fronts[:-1, 0], self.fronts[:-1, 1] = first, self._padded_count
+        self.coordinate = np.full(self._padded_count.sum(), -1)
         self.coordinate[self.position] = np.arange(self.n)
+        self.padded = np.flatnonzero(self.coordinate < 0)
 
     def _lay_out(self, nodes: list[Ints], fronts: list[Front]) -> None:
         """Remaining rows of each front, the runs by which they enter the parent, and where panels and updates lie."""
-        table = self.fronts
-        self._rest = [self._positions(nodes, front.rest) for front in fronts]
-        runs: list[Ints] = []
+        table, n_front = self.fronts, len(fronts)
+        coords, n = _members(nodes, [list(front.rest) for front in fronts])
+        owner, self.rows = np.repeat(np.arange(n_front), n), self.position[coords]
+        self._keys = np.sort(owner * len(self.coordinate) + self.rows)
+        """Ascending numbers of the remaining rows of all fronts."""
+        self.rows = self._keys % len(self.coordinate)
+        self._start = np.cumsum(n) - n
+        p, u_len = self._padded_count, _up(n, WIDTH)
+        a_len = _up(p + u_len, WIDTH)
+        table[:-1, 2], table[:-1, 3], table[:-1, 4], table[:-1, 5] = a_len, np.cumsum(a_len * p) - a_len * p, n, u_len
+        table[:-1, 7] = self._start
+        parents = np.full(n_front, -1)
+        parents[n > 0] = self._front_of[self.coordinate[self.rows[self._start[n > 0]]]]
+        self._set_runs(owner, parents)
+        self.size, self.longest = int((a_len * p).sum()), int(a_len.max())
+        self.update_size = self._share_space(parents.tolist(), (u_len**2).tolist())
+
+    def _set_runs(self, owner: Ints, parents: Ints) -> None:
+        """Runs of rows that stay together in the parent: first row, first row there, length; none crosses its pivots' end."""
+        of = parents[owner]
+        place = self._local(of, self.rows)
+        breaks = (np.diff(place) != 1) | (place[1:] == self.fronts[of[1:], 1]) | (np.diff(owner) != 0)
+        starts = np.flatnonzero(np.concatenate([[True], breaks])[: len(place)])
+        lengths = np.diff(np.append(starts, len(place)))
+        self.runs = np.column_stack([starts - self._start[owner[starts]], place[starts], lengths])
+        self.fronts[:, 8] = np.searchsorted(owner[starts], np.arange(len(self.fronts)))
+
+    def _share_space(self, parents: list[int], sizes: list[int]) -> int:
+        """List the children of each front and give each update its place in the workspace; the size of that."""
         space = Space()
-        a0 = start = n_run = 0
-        for f, rows in enumerate(self._rest):
-            p, n = table[f, 1], len(rows)
-            u_len = _up(n, WIDTH)
-            a_len = _up(p + u_len, WIDTH)
-            table[f, 2:9] = a_len, a0, n, u_len, space.take(u_len**2), start, n_run
-            a0, start = a0 + a_len * p, start + n
-            child = table[f, 9]
-            while child >= 0:
-                space.give(table[child, 6], table[child, 5] ** 2)
-                child = table[child, 10]
-            if n:
-                parent = int(self._front_of[self.coordinate[rows[0]]])
-                table[f, 10], table[parent, 9] = table[parent, 9], f
-                runs.append(_runs(self._local(parent, rows), table[parent, 1]))
-                n_run += len(runs[-1])
-        table[-1, 8] = n_run
-        self.rows = np.concatenate(self._rest)
-        self.runs = np.concatenate([np.zeros((0, 3), np.int64), *runs])
-        self.size, self.update_size, self.longest = int(a0), space.size, int(table[:, 2].max())
+        children: list[list[int]] = [[] for _ in parents]
+        places = [0] * len(parents)
+        for f, (parent, size) in enumerate(zip(parents, sizes, strict=True)):
+            places[f] = space.take(size)
+            for child in children[f]:
+                space.give(places[child], sizes[child])
+            if parent >= 0:
+                children[parent].insert(0, f)
+        for f, own in enumerate(children):
+            self.fronts[f, 9] = own[0] if own else -1
+            for child, following in zip(own, [*own[1:], -1], strict=False):
+                self.fronts[child, 10] = following
+        self.fronts[:-1, 6] = places
+        return space.size
 
-    def _positions(self, nodes: list[Ints], rest: set[int]) -> Ints:
-        """Ascending positions of the coordinates of nodes."""
-        return np.sort(np.concatenate([np.zeros(0, np.int64), *(self.position[nodes[node]] for node in rest)]))
-
-    def _local(self, f: int, positions: Ints) -> Ints:
-        """Row in front f of each position."""
-        first, p = self.fronts[f, :2]
-        return np.where(positions < first + p, positions - first, p + np.searchsorted(self._rest[f], positions))
+    def _local(self, f: Ints, positions: Ints) -> Ints:
+        """Row in front f of each position, shapes (n,)."""
+        first, p = self.fronts[f, 0], self.fronts[f, 1]
+        behind = np.searchsorted(self._keys, f * len(self.coordinate) + positions) - self._start[f]
+        return np.where(positions < first + p, positions - first, p + behind)
 
     def _place_entries(self, pattern: Pattern) -> None:
-        """Slot of each entry of the pattern, and of the padded pivots, in the panels."""
+        """Slot of each entry of the pattern, and of each pivot, in the panels."""
         p, q = self.position[pattern.rows], self.position[pattern.indices]
         column, row = np.minimum(p, q), np.maximum(p, q)
         self.above = p < q
         self.owner = self._front_of[self.coordinate[column]]
-        self.slots = np.zeros(len(p), np.int64)
-        by_owner = np.argsort(self.owner, kind="stable")
-        bounds = np.searchsorted(self.owner[by_owner], np.arange(len(self.fronts)))
-        for f in range(len(self.fronts) - 1):
-            mine = by_owner[bounds[f] : bounds[f + 1]]
-            first, _, a_len, a0 = self.fronts[f, :4]
-            self.slots[mine] = a0 + (column[mine] - first) * a_len + self._local(f, row[mine])
+        first, a_len, a0 = (self.fronts[self.owner, i] for i in (0, 2, 3))
+        self.slots = a0 + (column - first) * a_len + self._local(self.owner, row)
         f = np.repeat(np.arange(len(self.fronts) - 1), self.fronts[:-1, 1])
         first, a_len, a0 = self.fronts[f, 0], self.fronts[f, 2], self.fronts[f, 3]
         self.pivots = a0 + (np.arange(len(f)) - first) * (a_len + 1)
