@@ -270,19 +270,21 @@ class Result:
         history = self.history(name)
         return history[-1] if self.axis == "load_factor" else history
 
-    def history(self, name: str) -> xarray.DataArray:
-        """A signal over time, or over all load steps."""
-        import xarray
-
+    def samples(self, name: str) -> Floats:
+        """The values of :meth:`history` alone, shape (n,), or (n, n_label) where the signal has labels."""
         if name not in self.signals:
             raise DeclarationError("result", f"no signal '{name}'", f"recorded are {', '.join(self.signals)}")
-        signal = self.signals[name]
-        values, dims, coords = self._values[name], [self.axis], {self.axis: self.at}
+        return self._values[name] if self.signals[name].labels else self._values[name][:, 0]
+
+    def history(self, name: str) -> xarray.DataArray:
+        """A signal over time, or over all load steps."""
+        import xarray  # imported late, as it takes half a second
+
+        values = self.samples(name)
+        signal, dims, coords = self.signals[name], [self.axis], {self.axis: self.at}
         if signal.labels:
             dims.append("component")
             coords["component"] = np.asarray(signal.labels)
-        else:
-            values = values[:, 0]
         attributes = {"units": signal.unit, "long_name": signal.description or name}
         array = xarray.DataArray(values, dims=dims, coords=coords, name=name, attrs=attributes)
         array[self.axis].attrs["units"] = "s" if self.axis == "time" else "1"

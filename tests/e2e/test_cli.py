@@ -63,6 +63,26 @@ def test_help_imports_nothing_heavy(words: list[str]) -> None:
     assert done.stdout.splitlines()[-1].split() == ["HEAVY"]
 
 
+def test_a_run_imports_nothing_it_does_not_need(model: Path, tmp_path: Path) -> None:
+    """Benchmarks, studies over parameters and their libraries take a second to import."""
+    idle = (
+        "lamella.bench",
+        "lamella.sweep",
+        "lamella.optimisation",
+        "lamella.verification",
+        "scipy.stats",
+        "xarray",
+        "dask.array",
+    )
+    code = (
+        "import sys; from lamella.cli.main import run_app; run_app(['run', *sys.argv[1:], '--no-pictures', '-q']); "
+        f"print('IDLE', *(name for name in {idle} if name in sys.modules))"
+    )
+    command = [sys.executable, "-c", code, str(model), "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.splitlines()[-1].split() == ["IDLE"]
+
+
 def test_help_names_every_command(lamella) -> None:
     text = lamella("--help").stdout
     for command in COMMANDS:

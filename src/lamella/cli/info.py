@@ -60,7 +60,7 @@ def _show_result(console: Console, result: Result) -> None:
     whole = Column("signal", no_wrap=True, min_width=max(map(len, columns), default=0))  # names are for copying
     table = Table(whole, "unit", "first", "last", "smallest", "largest", header_style="bold")
     for name, signal in result.signals.items():
-        values = np.asarray(result.history(name).values).reshape(samples, -1)
+        values = result.samples(name).reshape(samples, -1)
         for component, label in enumerate(signal.labels or ("",)):
             column = values[:, component]
             numbers = (column[0], column[-1], column.min(), column.max()) if samples else (np.nan,) * 4

@@ -63,8 +63,8 @@ class Swing:
     @property
     def damped(self) -> float:
         """Energy the integrator has taken, of the largest work of the loads [%]."""
-        work = self.result.history("work.loads").values
-        return -100.0 * float(self.result.history("energy.balance").values[-1]) / float(work.max())
+        work = self.result.samples("work.loads")
+        return -100.0 * float(self.result.samples("energy.balance")[-1]) / float(work.max())
 
 
 def run_swing(study: Study, name: str, overrides: Sequence[str], *, pictures: bool = False) -> Swing:

@@ -239,7 +239,7 @@ def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
         imperfection=result.imperfection,
     )
     try:
-        columns = [result.history(signal.name).values for signal in signals]
+        columns = [result.samples(signal.name) for signal in signals]
         for step, at in enumerate(result.at):
             writer.sample(float(at), [column[step] for column in columns])
         velocities = frame_velocities(result)

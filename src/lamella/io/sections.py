@@ -69,7 +69,20 @@ DEFINITIONS = ("materials", "laminates", "profiles")
 """Sections whose items are referred to by name."""
 
 
-USERS = ("cli", "examples", "fmu", "io", "study", "sweep", "templates", "verification", "viz")
+USERS = (
+    "bench",
+    "cli",
+    "differentiation",
+    "examples",
+    "fmu",
+    "io",
+    "optimisation",
+    "study",
+    "sweep",
+    "templates",
+    "verification",
+    "viz",
+)
 """Folders that use declarations and hold none of a system."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella._jit import njit
+from lamella._jit import kernel
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
@@ -58,7 +58,7 @@ class SecantCorrections:
         return self._du, self._dlam
 
 
-@njit
+@kernel
 def _dot(a: Floats, at: int, x: Floats) -> float:
     """a[at : at + n] . x"""
     sums = spread(0.0)
@@ -67,14 +67,14 @@ def _dot(a: Floats, at: int, x: Floats) -> float:
     return total(sums)
 
 
-@njit
+@kernel
 def _add(x: Floats, factor: float, a: Floats, at: int) -> None:
     """x += factor a[at : at + n]"""
     for i in range(0, len(x), WIDTH):
         store_at(x, i, load_at(x, i) + factor * load_at(a, at + i))
 
 
-@njit
+@kernel
 def _before(
     r: Floats, phi: Floats, learns: bool, learnt: int,
     s: Floats, y: Floats, sy: Floats, shares: Floats, g: Floats, z: Floats, h: Floats,
@@ -88,8 +88,10 @@ def _before(
         The number of secants learnt, of which the last ``MEMORY`` are remembered.
     """
     n = len(h)
-    h[: len(r)] = r
-    h[len(r) : len(r) + len(phi)] = phi
+    for i in range(len(r)):  # assigning a slice would compile Numba's text functions, for a message
+        h[i] = r[i]
+    for i in range(len(phi)):
+        h[len(r) + i] = phi[i]
     if learns:
         stiffness = -_dot(z, 0, g)
         product = _dot(z, 0, h) + stiffness
@@ -100,7 +102,8 @@ def _before(
                 store_at(y, row * n + i, load_at(h, i) - load_at(g, i))
             sy[row] = product
             learnt += 1
-    g[:] = h
+    for i in range(n):
+        g[i] = h[i]
     for i in range(learnt - 1, max(learnt - MEMORY, 0) - 1, -1):
         row = i % MEMORY
         shares[row] = _dot(s, row * n, h) / sy[row]
@@ -108,12 +111,14 @@ def _before(
     return learnt
 
 
-@njit
+@kernel
 def _after(x: Floats, lam: Floats, learnt: int, s: Floats, y: Floats, sy: Floats, shares: Floats, z: Floats) -> None:
     """z <- minus (I - s y^T / s.y) (x, lam) + share s, the latest last."""
     n = len(z)
-    z[: len(x)] = x
-    z[len(x) : len(x) + len(lam)] = lam
+    for i in range(len(x)):
+        z[i] = x[i]
+    for i in range(len(lam)):
+        z[len(x) + i] = lam[i]
     for i in range(max(learnt - MEMORY, 0), learnt):
         row = i % MEMORY
         _add(z, shares[row] - _dot(y, row * n, z) / sy[row], s, row * n)

@@ -16,7 +16,7 @@ def component(result: Result, name: str, label: str) -> tuple[Floats, Floats]:
         name: of the signal, such as ``C.position``.
         label: of the component, such as ``z``.
     """
-    return result.at, result.history(name).sel(component=label).values
+    return result.at, result.samples(name)[:, result.signals[name].labels.index(label)]
 
 
 def time_average(t: Floats, z: Floats) -> float:

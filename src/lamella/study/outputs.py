@@ -229,7 +229,7 @@ def write_signals(result: Result, path: Path) -> Path:
     for name, signal in result.signals.items():
         if name == result.axis:
             continue
-        values = result.history(name).values
+        values = result.samples(name)
         for component, label in enumerate(signal.labels or ("",)):
             heading.append(f"{name}{'.' if label else ''}{label} [{signal.unit}]")
             columns.append(values[:, component] if signal.labels else values)

@@ -136,7 +136,7 @@ class SignalOutput(StudyOutput):
 
     def value(self, computed: Computed) -> float:
         assert isinstance(computed, Result)
-        values = computed.history(self.signal).values
+        values = computed.samples(self.signal)
         return self.number(computed.at, values.reshape(len(values), -1), tuple(computed.signals[self.signal].labels))
 
     def number(self, at: Floats, values: Floats, labels: tuple[str, ...]) -> float:

@@ -56,7 +56,7 @@ def plot_path(result: Result, names: Sequence[str] | None = None, *, title: str 
 
 
 def _draw_row(axes: Sequence[Axes], result: Result, name: str) -> None:
-    factors = result.history(LOAD_FACTOR).values
+    factors = result.samples(LOAD_FACTOR)
     moved = {component: values - values[0] for component, values in columns_of(result, name).items()}
     smallest = SMALLEST_SPAN * max(float(np.ptp(values)) for values in moved.values())
     for number, (axis, (component, values)) in enumerate(zip(axes, moved.items(), strict=True)):

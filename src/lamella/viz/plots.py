@@ -48,7 +48,7 @@ def unit_label(name: str, unit: str) -> str:
 def abscissa(result: Result) -> tuple[Floats, str]:
     """What signals are drawn over, with its label: time or load factor; on a path it may go forth and back."""
     if result.axis == "path" and LOAD_FACTOR in result:
-        return np.asarray(result.history(LOAD_FACTOR).values), AXIS_LABEL[LOAD_FACTOR]
+        return result.samples(LOAD_FACTOR), AXIS_LABEL[LOAD_FACTOR]
     return result.at, AXIS_LABEL[result.axis]
 
 
@@ -90,7 +90,7 @@ def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
         raise DeclarationError(
             "energy plot", "the result has no signal energy.* or work.*", f"recorded are {', '.join(result.signals)}"
         )
-    series = {name: result.history(name).values for name in names}
+    series = {name: result.samples(name) for name in names}
     zero = [name for name, values in series.items() if not np.any(values)]
     x, label = abscissa(result)
     with styled():
@@ -104,7 +104,7 @@ def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
         upper.set(title=title, ylabel="Energy [J]")
         place_legend(upper)
         if lower is not None:
-            lower.plot(x, result.history(BALANCE).values, color=INK, linewidth=1.1)
+            lower.plot(x, result.samples(BALANCE), color=INK, linewidth=1.1)
             lower.set_ylabel("Balance [J]")
         (upper if lower is None else lower).set_xlabel(label)
         upper.margins(x=0.01)
@@ -246,14 +246,14 @@ def signal_of(result: Result, name: str) -> tuple[str, str, str | None]:
         return name, result.signals[name].unit, None
     stem, _, component = name.rpartition(".")
     if stem not in result.signals or component not in result.signals[stem].labels:
-        result.history(name)  # raises the error that lists the signals
+        result.samples(name)  # raises the error that lists the signals
     return stem, result.signals[stem].unit, component
 
 
 def columns_of(result: Result, name: str) -> dict[str, Floats]:
     """Components by their label; a scalar has the empty label."""
     signal, _, component = signal_of(result, name)
-    values, labels = result.history(signal).values, result.signals[signal].labels
+    values, labels = result.samples(signal), result.signals[signal].labels
     if not labels:
         return {"": values}
     return {label: values[:, k] for k, label in enumerate(labels) if component in (None, label)}

@@ -74,7 +74,7 @@ class Drawing:
 
     def _sampled(self, name: str, at: float) -> float:
         """A signal at the sample nearest to an axis value."""
-        return float(self.result.history(name)[int(np.argmin(np.abs(self.result.at - at)))])
+        return float(self.result.samples(name)[int(np.argmin(np.abs(self.result.at - at)))])
 
 
 def picture(

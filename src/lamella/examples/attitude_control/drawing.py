@@ -21,7 +21,7 @@ MOMENTS = (0.0, 30.0, 60.0, 120.0)
 
 def tip(run: Result) -> Floats:
     """Deflection of the panel's tip across the hub's axis of the panel [m]."""
-    theta = run.history("bearing.angle").values
+    theta = run.samples("bearing.angle")
     x, z = component(run, "P.position", "x")[1], component(run, "P.position", "z")[1]
     return x * np.sin(theta) + z * np.cos(theta)
 
@@ -33,26 +33,26 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
 
     sunny = {name: run for name, run in runs.items() if name != "no sun"}
     first = runs["bending known"]
-    attitude = {name: (run.at, np.degrees(run.history("bearing.angle").values)) for name, run in sunny.items()}
+    attitude = {name: (run.at, np.degrees(run.samples("bearing.angle"))) for name, run in sunny.items()}
     wanted = {"wanted": (first.at[::40], np.degrees(reference(first.at[::40])))}
     study.show(
         plot_curves(attitude, "Time [s]", "Attitude [deg]", points=wanted),
         "attitude",
         "Attitude of the hub. The differences are too small to be seen here.",
     )
-    errors = {n: (r.at, 1e3 * (r.history("bearing.angle").values - reference(r.at))) for n, r in runs.items()}
+    errors = {n: (r.at, 1e3 * (r.samples("bearing.angle") - reference(r.at))) for n, r in runs.items()}
     study.show(
         plot_curves(errors, "Time [s]", "Pointing error [mrad]"),
         "pointing-error",
         "Attitude less what is wanted: the sun rises from 10 to 20 s, the satellite turns from 40 to 80 s.",
     )
     study.show(
-        plot_curves({n: (r.at, r.history("pilot.output").values) for n, r in sunny.items()}, "Time [s]", "Torque [N m]"),
+        plot_curves({n: (r.at, r.samples("pilot.output")) for n, r in sunny.items()}, "Time [s]", "Torque [N m]"),
         "torque",
         "Torque of the wheel.",
     )
     held = np.arange(0.5 * PERIOD, first.at[-1], PERIOD)  # in the middle of each sample, where the torques are constant
-    known, unknown = (np.interp(held, run.at, run.history("pilot.output").values) for run in (first, runs["bending unknown"]))
+    known, unknown = (np.interp(held, run.at, run.samples("pilot.output")) for run in (first, runs["bending unknown"]))
     study.show(
         plot_curves({"known less unknown": (held, known - unknown)}, "Time [s]", "Torque [N m]"),
         "torque-difference",
@@ -64,7 +64,7 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
         "Deflection of the panel's tip in the hub's frame.",
     )
     study.show(
-        plot_curves({name: (run.at, run.history("P.T_M").values) for name, run in runs.items()}, "Time [s]", "T_M [K/m]"),
+        plot_curves({name: (run.at, run.samples("P.T_M")) for name, run in runs.items()}, "Time [s]", "T_M [K/m]"),
         "gradient",
         "Temperature gradient through the thickness at the tip.",
     )

@@ -76,7 +76,7 @@ def fly(file: ModelFile, motion: Motion, law: Law) -> Result:
 
 def error(run: Result) -> Floats:
     """Attitude less what is wanted [mrad]."""
-    return 1e3 * (run.history("bearing.angle").values - reference(run.at))
+    return 1e3 * (run.samples("bearing.angle") - reference(run.at))
 
 
 def largest(run: Result, first: float, last: float) -> float:
@@ -104,7 +104,7 @@ def slew(runs: Runs) -> Finding:
     numbers |= {f"pointing error at the end, {name} [mrad]": float(error(run)[-1]) for name, run in runs.items()}
     unknown, ahead = (largest(runs[name], SLEW[0], np.inf) for name in ("bending unknown", "bending known"))
     numbers["known over unknown"] = ahead / unknown
-    end = float(runs["bending known"].history("bearing.angle").values[-1])
+    end = float(runs["bending known"].samples("bearing.angle")[-1])
     numbers["angle at the end, bending known [rad]"] = end
     return Finding(
         "During the slew the controller that knows how heat bends and lengthens the panel points better.",
@@ -176,7 +176,7 @@ def from_outside(run: Result, file: ModelFile, motion: Motion, law: Law) -> Find
     for k in range(round(end / PERIOD)):
         steps.set("wheel", law(steps.t, np.array(list(steps.outputs.values()))))
         steps.advance_to((k + 1) * PERIOD)
-    inside = float(np.interp(steps.t, run.at, run.history("bearing.angle").values))
+    inside = float(np.interp(steps.t, run.at, run.samples("bearing.angle")))
     apart = abs(float(steps.get("bearing.angle")) - inside)
     return Finding(
         "Check of our own: the loop closed from outside, sample by sample, is the loop closed inside.",

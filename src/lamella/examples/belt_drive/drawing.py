@@ -175,7 +175,7 @@ def history_figure(run: Result) -> Figure:
                     ("pulley 2", *component(run, "pulley2.angular_velocity", "z"), published.SPEED),
                 ),
             ),
-            ("Torque [N m]", (("on pulley 1", run.at, np.asarray(run.history("drive.torque").values), published.TORQUE),)),
+            ("Torque [N m]", (("on pulley 1", run.at, run.samples("drive.torque"), published.TORQUE),)),
             ("Tension [N]", (("tight strand", t, both[0], published.TIGHT), ("slack strand", t, both[1], published.SLACK))),
         )
         for axes, (label, curves) in zip(panels, rows, strict=True):

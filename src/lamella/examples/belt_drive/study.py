@@ -68,7 +68,7 @@ def speed(run: Result, pulley: int) -> tuple[Floats, Floats]:
 
 def torque(run: Result) -> Floats:
     """What drives pulley 1 [N m]."""
-    return np.asarray(run.history("drive.torque").values, float)
+    return np.asarray(run.samples("drive.torque"), float)
 
 
 def measured(run: Result) -> tuple[float, float, float, float]:
@@ -180,11 +180,11 @@ def speed_ratio(run: Result) -> Finding:
 def balance(run: Result) -> Finding:
     """Energy of the whole motion, and power of steady running."""
     T1, T2, omega2, M = measured(run)
-    load = DRIVE.load * late(run, run.at, np.asarray(run.history("load.factor").values, float))
+    load = DRIVE.load * late(run, run.at, np.asarray(run.samples("load.factor"), float))
     driven, braked = late(run, *speed(run, 1)) * M, (load + DRIVE.damper * omega2) * omega2
-    friction = sum(late(run, run.at, np.asarray(run.history(f"touch{k}.friction_power").values, float)) for k in (1, 2))
-    work = float(run.history("work.supports").values[-1])
-    left = float(run.history("energy.balance").values[-1])
+    friction = sum(late(run, run.at, np.asarray(run.samples(f"touch{k}.friction_power"), float)) for k in (1, 2))
+    work = float(run.samples("work.supports")[-1])
+    left = float(run.samples("energy.balance")[-1])
     numbers: Numbers = {
         "power of the drive [W]": driven,
         "power of brake and load [W]": braked,

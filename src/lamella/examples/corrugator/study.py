@@ -254,8 +254,8 @@ def element(runs: Runs) -> Finding:
 
 def balance(run: Result) -> Finding:
     """Forces and energy are balanced."""
-    work = run.history("work.loads").values[-1] + run.history("work.supports").values[-1]
-    left = float(run.history("energy.balance").values[-1])
+    work = run.samples("work.loads")[-1] + run.samples("work.supports")[-1]
+    left = float(run.samples("energy.balance")[-1])
     forces = {f"{k}{axis}": mean(run, f"touch{k}.force", axis) for k in (1, 2, 3) for axis in "xyz"}
     numbers: Numbers = {
         "force of the belt on roller 2 along X [N]": forces["2x"],
@@ -264,7 +264,7 @@ def balance(run: Result) -> Finding:
         "along Y [N]": sum(forces[f"{k}y"] for k in (1, 2, 3)),
         "along Z [N]": sum(forces[f"{k}z"] for k in (1, 2, 3)),
         "work of forces and drives [J]": float(work),
-        "turned into heat [J]": float(run.history("work.dissipated").values[-1]),
+        "turned into heat [J]": float(run.samples("work.dissipated")[-1]),
         "left by the balance of energy [J]": left,
         "left, of work [%]": 100.0 * left / float(work),
     }
@@ -280,4 +280,4 @@ def balance(run: Result) -> Finding:
 def _mean_scalar(run: Result, name: str) -> float:
     """Time average of a scalar signal at full speed."""
     late = run.at >= settled(run)
-    return time_average(run.at[late], run.history(name).values[late])
+    return time_average(run.at[late], run.samples(name)[late])

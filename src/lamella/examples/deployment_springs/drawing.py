@@ -25,7 +25,7 @@ def show_all(study: Study, runs: Mapping[str, Result], momenta: Mapping[str, tup
     from lamella.viz.scene import picture
 
     flexible = runs["flexible"]
-    angles = {f"hinge {k}": (flexible.at, np.degrees(flexible.history(f"hinge{k}.angle").values)) for k in range(4)}
+    angles = {f"hinge {k}": (flexible.at, np.degrees(flexible.samples(f"hinge{k}.angle"))) for k in range(4)}
     study.show(
         plot_curves(angles, "Time [s]", "Angle [deg]", title="Hinge angles, flexible panels"),
         "hinges",
@@ -37,7 +37,7 @@ def show_all(study: Study, runs: Mapping[str, Result], momenta: Mapping[str, tup
         "attitude",
         "The satellite turns against the unfolding array, and swings with it after latching.",
     )
-    torque = {name: (run.at, run.history("latch0.torque").values) for name, run in runs.items()}
+    torque = {name: (run.at, run.samples("latch0.torque")) for name, run in runs.items()}
     study.show(
         plot_curves(torque, "Time [s]", "Torque [N m]", title="Latch at the root"),
         "latch",

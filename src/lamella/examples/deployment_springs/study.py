@@ -136,7 +136,7 @@ def in_step(runs: Runs) -> Finding:
     numbers: Numbers = {}
     agrees = True
     for name, run in runs.items():
-        angles = np.array([run.history(f"{hinge}.angle").values for hinge in HINGES])
+        angles = np.array([run.samples(f"{hinge}.angle") for hinge in HINGES])
         before = run.at < latched(run)
         apart = np.abs(np.array([2.0 * angles[0] + angles[1], angles[1] + angles[2], angles[2] + angles[3]]))[:, before]
         numbers[f"largest difference of hinge angles, {name} [deg]"] = float(np.degrees(apart.max()))
@@ -150,7 +150,7 @@ def shock(runs: Runs) -> Finding:
     """What flexibility changes: the shock of the latches, and the vibration after it."""
     numbers: Numbers = {}
     for name, run in runs.items():
-        t, torque = run.at, run.history("latch0.torque").values
+        t, torque = run.at, run.samples("latch0.torque")
         late = t >= latched(run)
         numbers[f"largest torque of the latch at the root, {name} [N m]"] = float(np.abs(torque).max())
         if np.count_nonzero(late) > 50:
@@ -173,11 +173,11 @@ def energy(runs: Runs) -> Finding:
     numbers: Numbers = {}
     worst = 0.0
     for name, run in runs.items():
-        strain = run.history("energy.strain").values
-        balance = run.history("energy.balance").values
+        strain = run.samples("energy.strain")
+        balance = run.samples("energy.balance")
         numbers[f"energy stored in the springs, {name} [J]"] = float(strain[0])
-        numbers[f"turned into heat, {name} [J]"] = float(run.history("work.dissipated").values[-1])
-        numbers[f"left in motion and springs, {name} [J]"] = float(strain[-1] + run.history("energy.kinetic").values[-1])
+        numbers[f"turned into heat, {name} [J]"] = float(run.samples("work.dissipated")[-1])
+        numbers[f"left in motion and springs, {name} [J]"] = float(strain[-1] + run.samples("energy.kinetic")[-1])
         numbers[f"energy balance at the end, {name} [J]"] = float(balance[-1])
         worst = max(worst, float(np.abs(balance).max()) / float(strain[0]))
     numbers["largest part of the springs' energy that the balance leaves over [%]"] = 100.0 * worst

@@ -27,7 +27,7 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
 
     chosen = {name: runs[name] for name in SHOWN}
     study.show(
-        plot_curves({n: (r.at, r.history("bearing.angle").values) for n, r in chosen.items()}, "Time [s]", "Angle [rad]"),
+        plot_curves({n: (r.at, r.samples("bearing.angle")) for n, r in chosen.items()}, "Time [s]", "Angle [rad]"),
         "hub-angle",
         "Figure 4: angle of the hub.",
     )
@@ -38,7 +38,7 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
         "Figure 5: angular velocity of the hub; it vibrates with the panel.",
     )
     study.show(
-        plot_curves({n: (r.at, r.history("P.T_M").values) for n, r in chosen.items()}, "Time [s]", "T_M [K/m]"),
+        plot_curves({n: (r.at, r.samples("P.T_M")) for n, r in chosen.items()}, "Time [s]", "T_M [K/m]"),
         "gradient",
         "Figure 6: temperature gradient through the thickness at P.",
     )

@@ -47,7 +47,7 @@ def study(study: Study) -> Iterator[Finding]:
 
 def deflections(run: Result) -> tuple[Floats, Floats, Floats]:
     """Time [s] and the deflection of P [m] along and across the undeformed panel, which turns with the hub."""
-    theta = run.history("bearing.angle").values
+    theta = run.samples("bearing.angle")
     x, z = component(run, "P.position", "x")[1], component(run, "P.position", "z")[1]
     return run.at, x * np.cos(theta) - z * np.sin(theta) - LENGTH, x * np.sin(theta) + z * np.cos(theta)
 
@@ -59,7 +59,7 @@ def during(t: Floats, values: Floats, span: tuple[float, float]) -> Floats:
 
 def angle(runs: Runs) -> Finding:
     """The hub turns alike in all models."""
-    ends = {name: float(run.history("bearing.angle").values[-1]) for name, run in runs.items()}
+    ends = {name: float(run.samples("bearing.angle")[-1]) for name, run in runs.items()}
     numbers: Numbers = {f"angle of the hub at the end, {name} [rad]": value for name, value in ends.items()}
     spread = max(ends.values()) - min(ends.values())
     numbers["largest difference [%]"] = 100.0 * spread / ends["coupled"]
@@ -73,7 +73,7 @@ def angle(runs: Runs) -> Finding:
 def gradient(runs: Runs) -> Finding:
     """T_M follows the turning panel when coupled, and is constant when not."""
     numbers: Numbers = {}
-    t, T_M = runs["coupled"].at, runs["coupled"].history("P.T_M").values
+    t, T_M = runs["coupled"].at, runs["coupled"].samples("P.T_M")
     turning = during(t, T_M, COASTING)
     rate = (component(runs["coupled"], "hub.angular_velocity", "y")[1])[np.searchsorted(t, 100.0)]
     times = during(t, t, COASTING)
@@ -86,7 +86,7 @@ def gradient(runs: Runs) -> Finding:
     resting = during(t, T_M, RESTING)
     numbers["coupled, at rest: T_M, mean [K/m]"] = float(resting.mean())
     numbers["coupled, at rest: T_M, standard deviation [K/m]"] = float(resting.std())
-    fixed = during(runs["uncoupled"].at, runs["uncoupled"].history("P.T_M").values, (5.0, 250.0))
+    fixed = during(runs["uncoupled"].at, runs["uncoupled"].samples("P.T_M"), (5.0, 250.0))
     numbers["uncoupled, from 5 s: T_M, mean [K/m]"] = float(fixed.mean())
     numbers["uncoupled, from 5 s: range of T_M [K/m]"] = float(np.ptp(fixed))
     numbers["steady T_M at 65 deg, alpha S cos 65 / (2 k) [K/m]"] = float(FLUX * np.cos(INCIDENCE) / (2.0 * K))
@@ -103,7 +103,7 @@ def tip(runs: Runs) -> Finding:
     """The tip moves slowly with the gradient and fast with its first bending mode."""
     t, _, across = deflections(runs["coupled"])
     times, moved = during(t, t, COASTING), during(t, across, COASTING)
-    T_M = during(t, runs["coupled"].history("P.T_M").values, COASTING)
+    T_M = during(t, runs["coupled"].samples("P.T_M"), COASTING)
     slow = np.polyval(np.polyfit(T_M, moved, 1), T_M)
     even = np.linspace(times[0], times[-1], len(times))
     fast = dominant_frequency(even, np.interp(even, times, moved - slow))
@@ -136,7 +136,7 @@ def nonlinear(runs: Runs) -> Finding:
     numbers: Numbers = {f"at rest: mean deflection of P, {name} [m]": value for name, value in means.items()}
     numbers["coupled over linear"] = means["coupled"] / means["linear"]
     numbers["beam theory, alpha T_M L^2 / 2 with the mean T_M [m]"] = float(
-        -0.5 * ALPHA * LENGTH**2 * during(runs["coupled"].at, runs["coupled"].history("P.T_M").values, RESTING).mean()
+        -0.5 * ALPHA * LENGTH**2 * during(runs["coupled"].at, runs["coupled"].samples("P.T_M"), RESTING).mean()
     )
     return Finding(
         "At rest the mean deflection of the nonlinear model is larger than that of the linear one.",
@@ -150,7 +150,7 @@ def nonlinear(runs: Runs) -> Finding:
 def growth(runs: Runs) -> Finding:
     """The panel grows with its mean temperature, in ripples."""
     t, along, _ = deflections(runs["coupled"])
-    T_N = runs["coupled"].history("P.T_N").values
+    T_N = runs["coupled"].samples("P.T_N")
     numbers: Numbers = {
         "axial growth of P at the end, coupled [m]": float(along[-1]),
         "alpha T_N L at the end [m]": float(ALPHA * T_N[-1] * LENGTH),

@@ -201,8 +201,8 @@ def nothing_spurious(runs: Chosen, others: Chosen) -> Finding:
     """Energy is kept, the driver's profile excites no spikes, and damping is known."""
     numbers: Numbers = {}
     for name, run in runs.items():
-        work = run.result.history("work.supports").values
-        balance = run.result.history("energy.balance").values
+        work = run.result.samples("work.supports")
+        balance = run.result.samples("energy.balance")
         numbers[f"energy damped by the integrator, {name} [% of work]"] = -100.0 * float(balance[-1]) / float(np.abs(work).max())
     rigid, usual = runs["rigid"], others["symmetric, 6x6"]
     for name in ("rho_inf 0.6", "structural damping"):

@@ -280,7 +280,7 @@ def resolution(first: Flight, finer: Flight) -> Finding:
     change = finer.vibration.growth - first.vibration.growth
     part = 100 * change / (first.theory.omega * first.theory.critical_damping())
     frequency = excess(finer.vibration.frequency, first.vibration.frequency)
-    last = first.result.history("tip.T_N").values[-1]
+    last = first.result.samples("tip.T_N")[-1]
     return Finding(
         "Check of our own: mesh and step are fine enough, and the mean temperature stays out of it.",
         abs(part) < 2.0 and abs(frequency) < 1.0,

@@ -29,12 +29,12 @@ def edge(run: Result) -> tuple[Floats, Floats]:
 
 def angle(run: Result) -> Floats:
     """Steering angle [rad]."""
-    return np.asarray(run.history("pivot2.angle").values, float)
+    return np.asarray(run.samples("pivot2.angle"), float)
 
 
 def tension(run: Result, end: str) -> Floats:
     """Membrane force along the edge of an end, mean around the loop [N/m]."""
-    return np.asarray(run.history(f"edge_{end}.mean").values, float)
+    return np.asarray(run.samples(f"edge_{end}.mean"), float)
 
 
 def drift(run: Result, since: float) -> float:

@@ -119,7 +119,7 @@ def _from_above(axes: Axes, run: Result, name: str) -> None:
 
     r = run.plate("belt", None, 4).r
     for roller in (1, 2):
-        x = float(run.history(f"roller{roller}.position").values[-1, 0])
+        x = float(run.samples(f"roller{roller}.position")[-1, 0])
         tilt = float(run.history(f"roller{roller}.rotation").sel(component="xz").values[-1])
         z = np.array([-0.2, 0.2])
         centre = x + FACTOR * tilt * z

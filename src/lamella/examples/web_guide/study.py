@@ -295,9 +295,9 @@ def tracking(runs: Runs, models: Models) -> Finding:
 def balance(runs: Runs) -> Finding:
     """Energy of the tracked run."""
     run = runs.tracked
-    work = float(run.history("work.loads").values[-1] + run.history("work.supports").values[-1])
-    heat, left = (float(run.history(name).values[-1]) for name in ("work.dissipated", "energy.balance"))
-    kinetic = time_average(run.at, np.asarray(run.history("energy.kinetic").values, float))
+    work = float(run.samples("work.loads")[-1] + run.samples("work.supports")[-1])
+    heat, left = (float(run.samples(name)[-1]) for name in ("work.dissipated", "energy.balance"))
+    kinetic = time_average(run.at, np.asarray(run.samples("energy.kinetic"), float))
     lost = abs(left) / kinetic * machine(run).length / machine(run).speed / float(run.at[-1] - run.at[0])
     numbers: Numbers = {
         "work of drive and loads [J]": work,

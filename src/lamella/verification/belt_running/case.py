@@ -106,8 +106,8 @@ def balance(run: Result) -> Iterator[Evidence]:
         "speed of the belt by roller 2", surface[0], surface[1], 2e-3, source="omega_2 (R_2 + h/2) = omega_3 (R_3 + h/2)",
         unit="m/s", reason=why,
     )  # fmt: skip
-    work = run.history("work.loads").values + run.history("work.supports").values
-    left = float(run.history("energy.balance").values[-1] / work[-1])
+    work = run.samples("work.loads") + run.samples("work.supports")
+    left = float(run.samples("energy.balance")[-1] / work[-1])
     why = "numerical damping of steps of 1 ms, rho_inf = 0.6, of what the rollers throw into vibration"
     yield Check("energy left over, of the work", left, 0.0, 5e-3, "absolute", "conservation of energy", reason=why)
 

@@ -35,7 +35,7 @@ def run() -> Iterator[Evidence]:
     yield references.check("z_C at -10 N, linear theory, mesh 24 x 24", linear[1])
     yield references.check("z_C at -10 N, linear theory, extrapolated", linear[1] + (linear[1] - linear[0]) / 3)
     computed = {
-        label: ([0.0, *20 * result.history("C.position").load_factor.values], [0.0, *result.history("C.position").values[:, 2]])
+        label: ([0.0, *20 * result.history("C.position").load_factor.values], [0.0, *result.samples("C.position")[:, 2]])
         for label, result in (("exact strains", results[24]), ("linear theory", flat[24]))
     }
     found = [references.value(f"z_C at {force} N, converged") for force in (-10, -20)]

@@ -112,7 +112,7 @@ def set_free(references: References, q: Floats) -> Iterator[Evidence]:
     turn = lm.simulate(model, 2 * np.pi / SPIN, lm.GeneralizedAlpha(dt=5e-4, rho_inf=0.9), initial=start)
     yield references.check("set free: hoop strain after a turn", hoop_strain(model, turn.final.q))
     yield references.check("set free: spread of the radius over the nodes after a turn", spread(turn))
-    energy = turn.history("energy.kinetic").values + turn.history("energy.strain").values
+    energy = turn.samples("energy.kinetic") + turn.samples("energy.strain")
     yield references.check("set free: energy lost", float(np.abs(energy / energy[0] - 1).max()))
     before, after = (spin_momentum(model, state) for state in (start, turn.final))
     yield references.check("set free: angular momentum lost", abs(after / before - 1))
@@ -135,7 +135,7 @@ def spun_up(references: References) -> Iterator[Evidence]:
     model = belt((20, 1)).compile()
     integrator = lm.GeneralizedAlpha(dt=PERIOD / 120, rho_inf=1.0)
     result = lm.simulate(model, 3 * PERIOD, integrator, initial=turning(model, model.q0))
-    t, r = result.at, np.hypot(*result.history("node.position").values[:, :2].T)
+    t, r = result.at, np.hypot(*result.samples("node.position")[:, :2].T)
     strain = 0.5 * ((r / RADIUS) ** 2 - 1)
 
     def fitted(frequency: float) -> tuple[float, float]:
