@@ -15,6 +15,7 @@ from lamella.assembly.independence import Redundancy, described, independent_row
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, VectorOperator, mass_operator
 from lamella.assembly.point import Point, Weights
+from lamella.assembly.product import SkewProduct
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
 from lamella.model import Model
@@ -188,9 +189,22 @@ class Equations:
         return r, phi, k, j
 
     def exact_matrix(self, point: Point, weights: Weights) -> tuple[Floats, Floats]:
-        """The values of the two matrices alone, as :meth:`linearise` gives them."""
+        """The values of the two matrices alone, as :meth:`linearise` gives them at ``previous = q``."""
         q = self.coordinates(point)
         return self.matrix.values(self.forces, self.loads, point, q, self._force_velocities(point), weights, q)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether :meth:`exact_matrix` is the exact matrix; else it is the symmetric part, and :meth:`skew_part` is left out."""
+        return not self.symmetric or all(block.symmetry == "symmetric" for block in (*self.model.forces, *self.model.loads))
+
+    @cached_property
+    def _skew(self) -> SkewProduct:
+        return SkewProduct((*self.model.forces, *self.model.loads), self.matrix.parts)
+
+    def skew_part(self, x: Floats) -> Floats:
+        """The product of what the matrix evaluated last leaves out, its skew part, with a vector, shape (n_u,)."""
+        return self._gather(self._skew(self.expand(x)))
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.
