@@ -44,7 +44,7 @@ class Equations:
         self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))
         """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
-        known = like if like is not None and T is like.elimination.T else None
+        self._known = known = like if like is not None and T is like.elimination.T else None
         self.forces = ForceSum(model.forces, model.n_q, T, None if known is None else known.forces)
         self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
         self.constraints = ConstraintStack(model.constraints)
@@ -268,11 +268,21 @@ class Equations:
     @cached_property
     def _mass(self) -> Callable[[Floats], Floats]:
         """M in all coordinates; made when first needed, as the next, since statics needs neither."""
-        return mass_operator(self.model.mass)
+        return self._of_same_mass._mass if self._of_same_mass else mass_operator(self.model.mass)
+
+    @cached_property
+    def _of_same_mass(self) -> Equations | None:
+        """The equations like which these are, if they have the same T and M, and so the same operators of inertia."""
+        M, known = self.model.mass, self._known
+        if known is None or M.nnz != known.model.mass.nnz or abs(M - known.model.mass).max() > 0.0:
+            return None
+        return known
 
     @cached_property
     def _inertia(self) -> Callable[[Floats], Floats]:
         """T^T M T; where it does not go by vectors but M does, three products are faster than one."""
+        if self._of_same_mass:
+            return self._of_same_mass._inertia
         T = self.elimination.T
         whole = mass_operator(sparse.csr_array(T.T @ self.model.mass @ T))
         if isinstance(whole, VectorOperator) or not isinstance(self._mass, VectorOperator):

@@ -71,11 +71,12 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
 
     def __init__(self, made: DifferentiatedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
         super().__init__(made.options, equations, statistics, solver)
-        if self.stabilised is not None or isinstance(self.newton, StaggeredNewton):
+        newton = self.newton
+        if self.stabilised is not None or isinstance(newton, StaggeredNewton):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
-        self.matrix = ExactMatrix(equations, self.linear)
+        self.matrix, self._adopt = ExactMatrix(equations, self.linear), newton.adopt
         self.derivatives: list[PointDerivative] = []
 
     def restart(self, point: Point) -> None:
@@ -106,7 +107,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        self.newton.adopt(self.matrix.factorise(point, weights), weights)
+        self._adopt(self.matrix.factorise(point, weights), weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
         for k, (each, old, a, rule) in enumerate(
             zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
