@@ -9,8 +9,9 @@ import pytest
 
 import lamella as lm
 from lamella.assembly.equations import Equations
-from lamella.assembly.point import STATIC
+from lamella.assembly.point import STATIC, Weights
 from lamella.assembly.product import TangentProduct
+from lamella.differentiation.solution import ExactMatrix
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 
@@ -240,3 +241,31 @@ def test_runs_of_equations_are_those_of_their_model() -> None:
     method = lm.GeneralizedAlpha(dt=2e-3)
     moved, fresh = (lm.simulate(what, 0.01, method).history("tip.position").values for what in (equations, model))
     np.testing.assert_array_equal(moved, fresh)
+
+
+def test_skew_part_is_what_the_symmetric_matrix_leaves_out() -> None:
+    run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
+    weights = Weights(1.0, 1e3, 1e6)
+    near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
+    point = near.point_of(run.final, run.final.t)
+    x = np.cos(np.arange(near.n_u))
+    whole, part = (e.matrix.pattern.matrix(e.exact_matrix(point, weights)[0].copy()) @ x for e in (exact, near))
+    left_out = near.skew_part(x)
+    assert np.abs(left_out).max() > 1e-6 * np.abs(whole).max()  # dampers that move
+    np.testing.assert_allclose(part + left_out, whole, atol=1e-12 * np.abs(whole).max())  # sums in another order
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_matrix_of_dampers_is_solved_exactly(moving: bool) -> None:
+    run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
+    near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
+    point = near.point_of(run.final, run.final.t)
+    point.ud = point.ud if moving else np.zeros_like(point.ud)
+    weights, r, s = Weights(1.0, 1e3, 1e6), np.sin(np.arange(near.n_u)), np.cos(np.arange(near.n_lam))
+    found = []
+    for equations in (near, exact):
+        matrix = ExactMatrix(equations)
+        matrix.factorise(point, weights)
+        found.append(np.concatenate([u / equations.magnitude if k == 0 else u for k, u in enumerate(matrix.solve(r, s))]))
+    size = np.abs(found[1][: near.n_u]).max()
+    np.testing.assert_allclose(found[0][: near.n_u], found[1][: near.n_u], atol=1e-9 * size)  # rounding times the condition

@@ -15,6 +15,7 @@ from lamella.assembly.independence import Redundancy, described, independent_row
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, VectorOperator, mass_operator
 from lamella.assembly.point import Point, Weights
+from lamella.assembly.product import SkewProduct
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
 from lamella.model import Model
@@ -43,7 +44,7 @@ class Equations:
         self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))
         """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
-        known = like if like is not None and T is like.elimination.T else None
+        self._known = known = like if like is not None and T is like.elimination.T else None
         self.forces = ForceSum(model.forces, model.n_q, T, None if known is None else known.forces)
         self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
         self.constraints = ConstraintStack(model.constraints)
@@ -188,9 +189,22 @@ class Equations:
         return r, phi, k, j
 
     def exact_matrix(self, point: Point, weights: Weights) -> tuple[Floats, Floats]:
-        """The values of the two matrices alone, as :meth:`linearise` gives them."""
+        """The values of the two matrices alone, as :meth:`linearise` gives them at ``previous = q``."""
         q = self.coordinates(point)
         return self.matrix.values(self.forces, self.loads, point, q, self._force_velocities(point), weights, q)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether :meth:`exact_matrix` is the exact matrix; else it is the symmetric part, and :meth:`skew_part` is left out."""
+        return not self.symmetric or all(block.symmetry == "symmetric" for block in (*self.model.forces, *self.model.loads))
+
+    @cached_property
+    def _skew(self) -> SkewProduct:
+        return SkewProduct((*self.model.forces, *self.model.loads), self.matrix.parts)
+
+    def skew_part(self, x: Floats) -> Floats:
+        """The product of what the matrix evaluated last leaves out, its skew part, with a vector, shape (n_u,)."""
+        return self._gather(self._skew(self.expand(x)))
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.
@@ -254,11 +268,21 @@ class Equations:
     @cached_property
     def _mass(self) -> Callable[[Floats], Floats]:
         """M in all coordinates; made when first needed, as the next, since statics needs neither."""
-        return mass_operator(self.model.mass)
+        return self._of_same_mass._mass if self._of_same_mass else mass_operator(self.model.mass)
+
+    @cached_property
+    def _of_same_mass(self) -> Equations | None:
+        """The equations like which these are, if they have the same T and M, and so the same operators of inertia."""
+        M, known = self.model.mass, self._known
+        if known is None or M.nnz != known.model.mass.nnz or abs(M - known.model.mass).max() > 0.0:
+            return None
+        return known
 
     @cached_property
     def _inertia(self) -> Callable[[Floats], Floats]:
         """T^T M T; where it does not go by vectors but M does, three products are faster than one."""
+        if self._of_same_mass:
+            return self._of_same_mass._inertia
         T = self.elimination.T
         whole = mass_operator(sparse.csr_array(T.T @ self.model.mass @ T))
         if isinstance(whole, VectorOperator) or not isinstance(self._mass, VectorOperator):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from lamella._jit import kernel
@@ -59,6 +61,26 @@ class TangentProduct:
         return total
 
 
+class SkewProduct:
+    """1/2 (A - A^T) x with the tangents in the buffers of an assembly, which leaves this out of its symmetric matrix.
+
+    Args:
+        blocks: all force blocks of the assembly, in its order.
+        parts: their tangent buffers, behind which those of constraints may follow.
+    """
+
+    def __init__(self, blocks: Sequence[ForceBlock], parts: Sequence[Floats]) -> None:
+        self._parts = [pair for pair in zip(blocks, parts, strict=False) if pair[0].symmetry != "symmetric"]
+
+    def __call__(self, x: Floats) -> Floats:
+        """The product with a vector in all coordinates, shape (n_q,)."""
+        total = np.zeros_like(x)
+        for block, k in self._parts:
+            _clear_unused(block, k)
+            _add_skew_product(block.k_rows, block.k_cols, block.k_scale, k, x, total)
+        return total
+
+
 def _clear_unused(block: ForceBlock, k: Floats) -> None:
     """What a block has not written counts as zero."""
     if block.k_parts is not None:
@@ -75,3 +97,13 @@ def _add_product(rows: Ints, cols: Ints, values: Floats, mirrored: bool, x: Floa
             total[row] += values[i] * x[col]
             if mirrored and row != col:
                 total[col] += values[i] * x[row]
+
+
+@kernel
+def _add_skew_product(rows: Ints, cols: Ints, scale: Floats, values: Floats, x: Floats, total: Floats) -> None:
+    for i in range(len(values)):
+        row, col = rows[i], cols[i]
+        if row >= 0 and col >= 0 and row != col:
+            half = 0.5 * scale[i] * values[i]
+            total[row] += half * x[col]
+            total[col] -= half * x[row]

@@ -10,6 +10,7 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.errors import DeclarationError, LamellaError
+from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock
 from lamella.system import System
 
@@ -98,36 +99,50 @@ def neighbours_of(name: str, base: Equations, value: float, size: float, made: C
     Raises:
         DeclarationError: there is no model beside the value, or one of another kind.
     """
-    above = _beside(name, base, value + STEP * size, made)
-    step, rule = (WIDE * size, FOURTH) if _moves(base, above) else (STEP * size, CENTRAL)
+    first = _model(name, value + STEP * size, made)
+    above = None
+    if first.n_q != base.model.n_q or np.array_equal(base.model.q0, first.q0):
+        above = _equations(name, base, first)  # which refuses other numbers of unknowns
+    if above is None or _moves(base, above):
+        step, rule, above = WIDE * size, FOURTH, None
+    else:
+        step, rule = STEP * size, CENTRAL
     sides = []
     for place, weight in rule:
         there = value + place * step
-        equations = above if rule is CENTRAL and place > 0.0 else _beside(name, base, there, made)
+        if above is None or place < 0.0:
+            equations = _equations(name, base, _model(name, there, made))
+        else:
+            equations = above
         sides.append(Side(there - value, weight / step, equations))
     return Neighbours(name, sides)
 
 
 def _moves(base: Equations, there: Equations) -> bool:
-    """Whether a parameter changes coordinates in which unknowns are as they were, or the reference configuration."""
+    """Whether a parameter changes coordinates in which unknowns are as they were."""
     start = base.start()
-    here, moved = base.coordinates(start), there.coordinates(start)
     motions = [[row.motion for row in equations.elimination.rows] for equations in (base, there)]
-    return not (np.array_equal(here, moved) and np.array_equal(base.model.q0, there.model.q0) and motions[0] == motions[1])
+    return not (np.array_equal(base.coordinates(start), there.coordinates(start)) and motions[0] == motions[1])
 
 
 def _remembers(block: ForceBlock | ConstraintBlock) -> bool:
     return type(block).settle not in (ForceBlock.settle, ConstraintBlock.settle)
 
 
-def _beside(name: str, base: Equations, value: float, made: Callable[[float], System]) -> Equations:
+def _model(name: str, value: float, made: Callable[[float], System]) -> Model:
     try:
-        model = made(value).compile()
+        return made(value).compile()
+    except LamellaError as error:
+        problem = f"there is no model at {name} = {value!r}, beside the value asked for: {error}"
+        raise DeclarationError("gradient", problem, "choose another value") from error
+
+
+def _equations(name: str, base: Equations, model: Model) -> Equations:
+    """The equations of a model in the unknowns of the one in the middle."""
+    try:
         found = Equations(model, like=base) if model.n_q == base.model.n_q else None
     except LamellaError as error:
-        raise DeclarationError(
-            "gradient", f"there is no model at {name} = {value!r}, beside the value asked for: {error}", "choose another value"
-        ) from error
+        raise DeclarationError("gradient", f"{name}: beside the value asked for {error}", "choose another value") from error
     if found is None or not _same_form(found, base):
         accepted = "accepted is one that changes sizes, materials, loads or places"
         raise DeclarationError("gradient", f"{name} changes the number of unknowns or constraints", accepted)

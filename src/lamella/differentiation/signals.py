@@ -138,7 +138,9 @@ class Reactions:
 
 
 def _chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:
-    known = {signal.name: signal for signal in (LOAD_FACTOR, *system_signals(equations))}
+    known = {signal.name: signal for signal in (LOAD_FACTOR, *equations.model.signals)}
+    if not known.keys() >= set(names):
+        known |= {signal.name: signal for signal in system_signals(equations)}
     return {name: known[name] for name in names}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,8 +13,15 @@ from lamella.differentiation.neighbours import Neighbours, Side
 from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
-from lamella.solve.initial import MASS_ONLY, make_consistent
+from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent
 from lamella.solve.linear import linear_solver
+
+ENOUGH = 1e-12
+"""Change of a solution, as a share of it, below which it is repeated no more: some rounding of a substitution."""
+SLOW = 0.3
+"""Shrinking of that change from one repetition to the next above which a factorisation L U costs less."""
+MOST = 20
+"""Repetitions within which ``SLOW`` brings a change to ``ENOUGH``, about."""
 
 
 @dataclass
@@ -42,37 +49,74 @@ class PointDerivative:
 class ExactMatrix:
     """The exact matrix of the equations at a point, factorised.
 
+    Where the equations keep the symmetric part B of A = B + N, it is B that is factorised, and x = B^-1 (b - N x) is repeated. At
+    rest a damper has no N, and one repetition tells; a plate with pressure has little. To lay out A takes as long as many
+    substitutions. Where repetitions do not shrink fast enough, as with dampers that move, A itself is factorised after all.
+
     Args:
         equations: of the model.
+        linear: a solver of the equations' pattern that may be used; one is made when left out.
     """
 
-    def __init__(self, equations: Equations) -> None:
-        self.equations = exact(equations)
-        self.linear: LinearSolver = linear_solver(self.equations.matrix.pattern)
+    def __init__(self, equations: Equations, linear: LinearSolver | None = None) -> None:
+        self.equations = equations
+        self.linear = linear or linear_solver(equations.matrix.pattern)
+        self._per_magnitude = 1.0 / equations.magnitude
+        self._unsymmetric: ExactMatrix | None = None
+        self._at: tuple[Point, Weights] | None = None
 
-    def factorise(self, point: Point, weights: Weights) -> None:
-        """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints.
+    def factorise(self, point: Point, weights: Weights) -> Floats:
+        """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints; the values of the matrix in the pattern's order.
+
+        What is solved next must be solved before the equations' matrix is evaluated anew.
 
         Raises:
             ModelError: it is singular, so that the solution is not differentiable.
         """
+        self._at = point, weights
         k, j = self.equations.exact_matrix(point, weights)
         try:
             self.linear.factorise(k, j)
         except SingularSystemError as error:
             what = str(error) if error.index is None else self.equations.free(error.index)
             raise ModelError(f"gradient: the matrix of the solution is singular, so that it has no derivative: {what}") from error
+        return k
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for."""
-        return self.linear.solve(-r, -s)
+        x, y = self.linear.solve(-r, -s)
+        if self.equations.is_exact:
+            return x, y
+        last = np.inf
+        for _ in range(MOST):
+            before = x
+            x, y = self.linear.solve(-r - self.equations.skew_part(x), -s)
+            change = self._size(x - before)
+            if change <= ENOUGH * self._size(x):
+                return x, y
+            if change > SLOW * last:
+                break
+            last = change
+        if self._unsymmetric is None:
+            self._unsymmetric = ExactMatrix(exact(self.equations))
+        assert self._at is not None, "solve follows a factorisation"
+        if self._unsymmetric._at != self._at:
+            self._unsymmetric.factorise(*self._at)
+        return self._unsymmetric.solve(r, s)
+
+    def stiffness(self, point: Point) -> Callable[[Floats], Floats]:
+        """The product with K at a point; to be used before the equations' matrix is evaluated anew."""
+        equations = self.equations
+        K = equations.matrix.pattern.matrix(equations.exact_matrix(point, STATIC)[0].copy())
+        return (lambda x: K @ x) if equations.is_exact else lambda x: K @ x + equations.skew_part(x)
+
+    def _size(self, x: Floats) -> float:
+        return float(np.abs(x * self._per_magnitude).max(initial=0.0))
 
 
 def exact(equations: Equations) -> Equations:
     """The same equations with their exact matrix: unsymmetric where a block is only nearly symmetric."""
-    model = equations.model
-    symmetric = all(block.symmetry == "symmetric" for block in (*model.forces, *model.loads))
-    return equations if symmetric == equations.symmetric else Equations(model, symmetric=symmetric, like=equations)
+    return equations if equations.is_exact else Equations(equations.model, symmetric=False, like=equations)
 
 
 def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative | None = None) -> tuple[Floats, Floats]:
@@ -120,7 +164,7 @@ def start_derivative(neighbours: Neighbours, point: Point, given: PointDerivativ
     def evaluate(side: Side) -> Floats:
         equations = side.equations
         there = equations.start(point.t) if given is None else given.moved(point, side.distance)
-        if equations.n_lam:
+        if not is_consistent(equations, there):
             make_consistent(equations, there, linear_solver(equations.matrix.pattern))
         return np.concatenate([there.u, there.ud])
 
@@ -141,14 +185,16 @@ def rates_derivative(
         neighbours: of each parameter.
         found: derivatives of u and ud.
     """
-    equations, n = matrix.equations, matrix.equations.n_motion
-    pattern = equations.matrix.pattern
-    K = pattern.matrix(equations.linearise(point, STATIC)[2].copy())
+    n = matrix.equations.n_motion
+    held = [np.zeros_like(known.u) for known in found]
+    if any(known.u.any() for known in found):
+        K = matrix.stiffness(point)
+        held = [K(known.u) for known in found]
     matrix.factorise(point, MASS_ONLY)
     derivatives = []
-    for each, known in zip(neighbours, found, strict=True):
+    for each, known, Ku in zip(neighbours, found, held, strict=True):
         dud = np.concatenate([known.ud[:n], np.zeros(len(known.ud) - n)])  # rates of fields are what is looked for
-        dr = residual_difference(each, point, PointDerivative(known.u, dud, np.zeros_like(dud), known.lam))[0] + K @ known.u
+        dr = residual_difference(each, point, PointDerivative(known.u, dud, np.zeros_like(dud), known.lam))[0] + Ku
 
         def needed(side: Side, known: PointDerivative = known) -> Floats:
             there, at = side.equations, known.moved(point, side.distance)

@@ -64,9 +64,9 @@ class Options:
 
 def concrete(base: type) -> tuple[type, ...]:
     """All declarations among ``base`` and its subclasses, in the order they were defined."""
-    found = [base] if is_pydantic_dataclass(base) and not inspect.isabstract(base) else []
+    found = dict.fromkeys([base] if is_pydantic_dataclass(base) and not inspect.isabstract(base) else [])
     for child in base.__subclasses__():
-        found += [cls for cls in concrete(child) if cls not in found]
+        found |= dict.fromkeys(concrete(child))
     return tuple(found)
 
 
@@ -90,6 +90,7 @@ def field_specs(cls: type) -> dict[str, FieldSpec]:
     return specs
 
 
+@cache
 def tag_of(cls: type) -> tuple[str, str]:
     """The key and value that choose a class in a model file: its field ``kind`` if that says no more, else ``type: its_name``."""
     spec = field_specs(cls).get("kind")

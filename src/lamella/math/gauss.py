@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 
+@cache
 def gauss_rule(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points and weights of the n-point Gauss-Legendre rule: int_0^1 f(s) ds = sum_k w_k f(s_k), exact up to degree 2 n - 1.
 
@@ -21,4 +24,7 @@ def gauss_rule(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if n < 1:
         raise ValueError(f"a Gauss rule needs at least 1 point, got {n}")
     points, weights = np.polynomial.legendre.leggauss(n)
-    return 0.5 * (points + 1.0), 0.5 * weights
+    found = 0.5 * (points + 1.0), 0.5 * weights
+    for part in found:
+        part.flags.writeable = False  # all who ask for the rule share it
+    return found

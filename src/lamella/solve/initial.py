@@ -39,6 +39,17 @@ def make_consistent(equations: Equations, point: Point, linear: LinearSolver) ->
     refuse_contradiction(equations, point, rates=True)
 
 
+def is_consistent(equations: Equations, point: Point) -> bool:
+    """Whether :func:`make_consistent` would leave coordinates and velocities as they are."""
+    return not equations.n_lam or (
+        _holds(equations, equations.position_violation(point)) and not equations.velocity_violation(point).any()
+    )
+
+
+def _holds(equations: Equations, phi: Floats) -> bool:
+    return bool(np.abs(phi).max() < 1e-12 * equations.magnitude.max())
+
+
 def refuse_contradiction(equations: Equations, point: Point, *, rates: bool) -> None:
     """Refuse rows that were left out as redundant and do not follow from the others: their directions agree, not their values.
 
@@ -61,7 +72,7 @@ def project_positions(equations: Equations, point: Point, linear: LinearSolver, 
         return
     for attempt in range(20):
         phi = equations.position_violation(point)
-        if np.abs(phi).max() < 1e-12 * equations.magnitude.max():
+        if _holds(equations, phi):
             return
         try:
             _factorise(equations, point, linear, metric)

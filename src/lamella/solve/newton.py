@@ -234,12 +234,16 @@ class NewtonSolver:
         return Evaluation(r, phi, (k, j))
 
     def _factorise(self, matrix: tuple[Floats, Floats], weights: Weights) -> None:
-        self._corrections.forget()
         self.linear.factorise(*matrix)
-        if self.options.line_search == "residual":
-            diagonal = self.linear.pattern.diagonal(matrix[0])
-            self._per_stiffness = 1.0 / np.maximum(np.abs(diagonal), np.finfo(float).tiny)
         self.statistics.factorisations += 1
+        self.adopt(matrix[0], weights)
+
+    def adopt(self, k: Floats, weights: Weights) -> None:
+        """Go on with the factorisation of a matrix with the values ``k``, made for these weights, that ``linear`` holds now."""
+        self._corrections.forget()
+        if self.options.line_search == "residual":
+            diagonal = self.linear.pattern.diagonal(k)
+            self._per_stiffness = 1.0 / np.maximum(np.abs(diagonal), np.finfo(float).tiny)
         self._factored_for, self._age = weights, 0
 
     def _free(self, error: SingularSystemError) -> str:
