@@ -78,7 +78,7 @@ def _eliminate(graph: sparse.csr_array, order: Ints) -> tuple[list[set[int]], In
     return left, parent
 
 
-def _operations(p: Number, u: Number) -> Number:
+def operations(p: Number, u: Number) -> Number:
     """Multiplications and additions of a front."""
     return p**3 / 6 + p * p * u / 2 + p * u * u / 2
 
@@ -86,11 +86,11 @@ def _operations(p: Number, u: Number) -> Number:
 def _unmerged(left: list[set[int]], weight: Floats) -> float:
     """Multiplications and additions when each node is a front of its own."""
     rest = np.array([weight[list(near)].sum() for near in left])
-    return float(np.sum(_operations(weight, rest)))
+    return float(np.sum(operations(weight, rest)))
 
 
 def _cost(p: float, u: float) -> float:
-    return _operations(p, u) + FRONT_COST + ADD_COST * u * u / 2
+    return operations(p, u) + FRONT_COST + ADD_COST * u * u / 2
 
 
 def _merge(left: list[set[int]], parent: Ints, weight: Floats) -> list[Front]:
@@ -135,5 +135,4 @@ def fronts_of(graph: sparse.csr_array, weight: Floats) -> tuple[list[Front], flo
         if total < cost:
             cost = total
             best = [Front([int(order[i]) for i in f.pivots], {int(order[i]) for i in f.rest}) for f in fronts]
-    operations = sum(_operations(weight[f.pivots].sum(), weight[list(f.rest)].sum()) for f in best)
-    return best, operations
+    return best, sum(operations(weight[f.pivots].sum(), weight[list(f.rest)].sum()) for f in best)
