@@ -15,6 +15,7 @@ from lamella import threads
 from lamella.assembly.equations import Equations
 from lamella.errors import ModelError
 from lamella.result import Result
+from lamella.solve import schedule
 from lamella.solve.layout import layout_of
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.schedule import Schedule, row_ranges
@@ -36,6 +37,8 @@ def always_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small meshes are cut like large ones."""
     monkeypatch.setattr(threads, "WORTHWHILE", 0.0)
     monkeypatch.setattr(threads, "SHORTEST", 1e-6)
+    monkeypatch.setattr(schedule, "HANDED_OUT", 0.0)
+    monkeypatch.setattr(schedule, "SAVED", 1.0)
 
 
 def damped(element: str) -> lm.System:
@@ -82,9 +85,9 @@ def _reduced() -> lm.System:
 def test_results_are_the_same_to_the_last_bit(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found, cut, run = [], [0], threads.run
 
-    def counted(calls):
+    def counted(calls, **how):
         cut[0] += len(calls) > 1
-        return run(calls)
+        return run(calls, **how)
 
     monkeypatch.setattr(threads, "run", counted)
     for count in (1, 2, 3):

@@ -13,7 +13,7 @@ from lamella.roles import Floats, Ints
 from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
 from lamella.solve.layout import layout_of
-from lamella.solve.schedule import Schedule, row_ranges
+from lamella.solve.schedule import row_ranges, schedule_of
 from lamella.threads import Workspace
 
 
@@ -30,13 +30,14 @@ class Multifrontal(SymmetricFactor):
     def __init__(self, pattern: Pattern) -> None:
         self.pattern = pattern
         self._layout = layout = layout_of(pattern)
-        self._plan = plan = Schedule(layout, threads.number())
+        self._plan = plan = schedule_of(layout)
         self.cost, self.size = layout.cost, layout.size
         self._a, self._u = aligned(layout.size + WIDTH), aligned(plan.update_size)
         self._signs = np.ones(len(layout.coordinate))
         self._z, self._rest = np.zeros(len(layout.coordinate)), np.zeros(len(layout.rows))
         self._b = Workspace(front_kernels.BLOCK * layout.longest + WIDTH)
-        self._y, self._orders = Workspace(layout.longest), [np.arange(*subtree) for subtree in plan.subtrees]
+        self._y, self._order = Workspace(layout.longest), np.arange(len(layout.fronts) - 1)
+        self._orders = [self._order[slice(*subtree)] for subtree in plan.subtrees]
 
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""
@@ -69,12 +70,15 @@ class Multifrontal(SymmetricFactor):
             left, n = a0 + first * a_len, last - first
             panel = a, a0 + last * (a_len + 1), a_len
             update = u, u0, u_len
-            threads.run(
-                [partial(front_kernels.subtract_rows, *update, *rows, u_len, a, left + p, a_len, b, (p - last) * n, n)
-                 for rows in row_ranges(u_len, u_len, n)]
-                + [partial(front_kernels.subtract_rows, *panel, *rows, p - last, a, left + last, a_len, b, 0, n)
-                   for rows in row_ranges(a_len - last, p - last, n)]
-            )  # fmt: skip
+            of_update, of_panel = row_ranges(u_len, u_len, n), row_ranges(a_len - last, p - last, n)
+            calls = [
+                partial(front_kernels.subtract_rows, *update, *rows, u_len, a, left + p, a_len, b, (p - last) * n, n)
+                for rows in of_update
+            ]
+            calls += [
+                partial(front_kernels.subtract_rows, *panel, *rows, p - last, a, left + last, a_len, b, 0, n) for rows in of_panel
+            ]
+            threads.run(calls, worthwhile=max(len(of_update), len(of_panel)) > 1)
         return -1
 
     def solve(self, r: Floats) -> Floats:
@@ -89,10 +93,10 @@ class Multifrontal(SymmetricFactor):
 
     def _solve(self, r: Floats) -> Floats:
         at, plan, z, x = self._layout, self._plan, self._z, np.empty_like(r)
-        if not len(plan.above):
+        if not plan.solves:
             work = z, self._rest, self._y.array
-            panels = at.fronts, at.rows, at.runs, self._a, self._signs
-            front_solution.solve_coordinates(self._orders[0], *panels, at.position, r, *work, x)
+            panels = plan.fronts, at.rows, at.runs, self._a, self._signs
+            front_solution.solve_coordinates(self._order, *panels, at.position, r, *work, x)
             return x
 
         def forward(order: Ints) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +17,12 @@ RATE = 1.2e10
 """Multiplications, each with an addition, that one thread does in a second."""
 ONE_BY_ONE = 0.3
 """Share of a front above the subtrees that one thread does alone: panels and the updates of children."""
+HANDED_OUT = 1e-4
+"""Seconds that it takes to hand work out to threads and to wait for them: once, and for each front above the subtrees."""
+SAVED = 0.75
+"""Share of the time of one thread that may be left, else one does it all: the machine may have other work."""
+SOLVED = 5e-10
+"""Seconds for an entry of the factor in forward or in back substitution."""
 TRIED = 16
 """Subtrees for each thread at which the search for better ones ends."""
 
@@ -32,6 +39,7 @@ class Schedule:
         above: the other fronts, children before parents.
         fronts: the table of the layout, with updates that do not take the places of those of another subtree.
         update_size: entries of the workspace of updates.
+        solves: whether substitutions go by subtrees as well.
     """
 
     def __init__(self, layout: FrontLayout, count: int) -> None:
@@ -40,6 +48,7 @@ class Schedule:
         self.subtrees, self.above = [(0, n)], np.zeros(0, np.int64)
         if count > 1 and layout.cost / RATE > threads.WORTHWHILE:
             self._split(layout, count)
+        self.solves = len(self.subtrees) > 1 and SOLVED * layout.size > threads.WORTHWHILE
 
     def _split(self, layout: FrontLayout, count: int) -> None:
         table = layout.fronts
@@ -55,11 +64,12 @@ class Schedule:
             if children[f]:
                 first[f], below[f] = first[children[f]].min(), work[f] + below[children[f]].sum()
         roots = np.setdiff1d(np.arange(n), np.concatenate([np.zeros(0, int), *(np.array(c, int) for c in children)])).tolist()
-        best, least = ([(0, n)], [0]), float(work.sum())
+        best, least = ([(0, n)], [0]), SAVED * float(work.sum())
         above: list[int] = []
         while len(roots) <= TRIED * count:
             alone = work[above].sum()
             time = _longest(below[roots], count) + alone * (ONE_BY_ONE + (1.0 - ONE_BY_ONE) / count)
+            time += HANDED_OUT * RATE * (1 + len(above))
             if time < least:
                 order = sorted(roots, key=lambda f: -below[f])
                 best, least = ([(int(first[f]), f + 1) for f in order], sorted(above)), float(time)
@@ -97,6 +107,17 @@ def _longest(work: Floats, count: int) -> float:
     for one in np.sort(work)[::-1]:
         loads[np.argmin(loads)] += one
     return float(loads.max())
+
+
+_SCHEDULES: WeakKeyDictionary[FrontLayout, dict[int, Schedule]] = WeakKeyDictionary()
+
+
+def schedule_of(layout: FrontLayout) -> Schedule:
+    """The schedule for the threads in use: solvers of the same equations share one."""
+    known, count = _SCHEDULES.setdefault(layout, {}), threads.number()
+    if count not in known:
+        known[count] = Schedule(layout, count)
+    return known[count]
 
 
 def row_ranges(rows: int, columns: int, n: int) -> list[tuple[int, int]]:

@@ -17,7 +17,7 @@ from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
 from lamella.threads import Workspace
 
-FORCE, TANGENT = 40e-9, 0.8e-6
+FORCE, TANGENT = 60e-9, 0.8e-6
 """Seconds that force and tangent take for a Gauss point of an element."""
 
 

@@ -15,7 +15,7 @@ from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 from lamella.threads import Workspace
 
-FORCE, TANGENT = 25e-9, 0.36e-6
+FORCE, TANGENT = 40e-9, 0.36e-6
 """Seconds that force, and force with tangent, take for a Gauss point of an element."""
 
 
