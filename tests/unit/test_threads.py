@@ -94,7 +94,7 @@ def test_results_are_the_same_to_the_last_bit(what: str, monkeypatch: pytest.Mon
         threads.use(count)
         cut[0] = 0
         state = COMPUTED[what]().final
-        assert (cut[0] > 10) == (count > 1)
+        assert count == 1 or cut[0] > 10
         found.append((state.q, state.v, state.a, state.lam))
     for other in found[1:]:
         for one, same in zip(found[0], other, strict=True):

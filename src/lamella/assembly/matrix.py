@@ -21,6 +21,8 @@ from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
 Block = ForceBlock | ConstraintBlock
 ENTRY = 2e-9
 """Seconds that it takes to sum an entry of a buffer into the matrix."""
+RANGES = 8
+"""Ranges of a large matrix."""
 EVERY = np.ones(1, bool)
 """The one part of a buffer that is always in use."""
 
@@ -168,8 +170,11 @@ class MatrixAssembly:
 
 
 def _bounds(n_entries: int, n_values: int) -> list[int]:
-    """Where the ranges of the matrix begin that are summed side by side, and where the last ends."""
-    pieces = len(threads.cut(n_entries, ENTRY))
+    """Where the ranges of the matrix begin that may be summed side by side, and where the last ends.
+
+    One after another they take less time than the whole as well: what is written stays in the cache.
+    """
+    pieces = RANGES if ENTRY * n_entries > threads.WORTHWHILE else 1
     return [n_values * i // pieces for i in range(pieces + 1)]
 
 
