@@ -27,6 +27,7 @@ LAYERS = [
         "progress",
         "_jit",
         "lane",
+        "threads",
     },
     {"math"},
     {"material"},

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import lamella as lm
-from lamella.bench import calculix, kratos, scale, static, work
+from lamella import threads
+from lamella.bench import calculix, in_threads, kratos, scale, static, work
 from lamella.bench.clock import ONE_THREAD, a_step, median
 from lamella.bench.peers import CALCULIX, EXUDYN, KRATOS
 from lamella.bench.picture import Picture, work_precision
@@ -126,6 +127,20 @@ def test_ratios_and_what_does_not_apply() -> None:
     table = markdown([own, peer], {"lamella": "1"}).splitlines()
     assert [cell.strip() for cell in table[4:][2].split("|")[1:-1]] == ["code", "CPU time", "", "ratio"]
     assert "error" not in "\n".join(table)
+
+
+def test_threads_tells_each_part_for_each_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(in_threads, "MESH", 3)
+    monkeypatch.setattr(in_threads, "PLATES", (3,))
+    before = threads.number()
+    rows = list(in_threads.run(1))
+    assert threads.number() == before
+    assert [row.code for row in rows[:2]] == ["lamella, 1 thread", "lamella, 2 threads"]
+    assert [row.what for row in rows[::2]] == [row.what for row in rows[1::2]]
+    assert {"3 x 3: factorisation", "3 x 3: Newton iteration", "3 x 3: step"} <= {row.what for row in rows}
+    assert all(
+        row.time > 0 and row.ratio == pytest.approx(row.time / one.time) for one, row in zip(rows[::2], rows[1::2], strict=True)
+    )
 
 
 def test_scale_tells_coordinates_and_exponents(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import pytest
 
+from lamella import threads
 from lamella.errors import ResultFileError
 from lamella.io.results import read_result
 
@@ -287,11 +288,35 @@ def test_verify_lists_runs_and_refuses_unknown_cases(here) -> None:
         assert name in wrong.stderr
 
 
+def test_threads_of_a_run(here, tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    used: list[int] = []
+    monkeypatch.setattr(threads, "use", lambda count, use=threads.use: (used.append(count), use(count)))
+    try:
+        done = here("run", model, "--out", "out", "--threads", "2", "--no-pictures", "--quiet")
+        assert done.returncode == 0, done.stderr
+        assert used[0] == 2
+        for wrong in ("0", "-1", "two"):
+            refused = here("run", model, "--out", "other", "--threads", wrong)
+            assert refused.returncode == 2
+            assert "Invalid value for '--threads'" in refused.stderr
+            assert "greater than or equal to 1" in refused.stderr or "valid int" in refused.stderr
+        monkeypatch.setenv("LAMELLA_THREADS", "none")
+        refused = here("run", model, "--out", "other")
+        assert refused.returncode == 2
+        assert (
+            refused.stderr == "lamella: LAMELLA_THREADS = 'none' is not accepted; choose a whole number from 1, or leave it out\n"
+        )
+        assert not (tmp_path / "other").exists()
+    finally:
+        monkeypatch.undo()
+        threads.use(None)
+
+
 def test_doctor_finds_this_installation_sound(lamella) -> None:
     done = lamella("doctor")
     assert done.returncode == 0, done.stdout
     assert "lamella is ready to run" in done.stdout
-    for word in ("python", "numba", "kernel cache", "OpenGL", "working folder", "small plate bends"):
+    for word in ("python", "numba", "kernel cache", "for large models", "OpenGL", "working folder", "small plate bends"):
         assert word in done.stdout
 
 

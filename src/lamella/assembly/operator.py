@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from lamella._jit import kernel
+from lamella._jit import kernel, shared
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
@@ -83,35 +86,48 @@ class ScatterSum:
     What costs time is memory, so a contribution is listed in six bytes: sources are runs of consecutive numbers, each source's
     first contributions before the second ones, and of factors there are few different ones, by the sizes of elements.
 
+    Ranges of y may be summed side by side. Each number of y is summed in the same order, whatever the ranges.
+
     Args:
         targets, sources, factors: contributions, each with its place in y, its place in x, and its factor, shapes (n,).
         parts: where each part of x begins, and where the last ends, shape (n_part + 1,).
+        bounds: where each range of y begins, and where the last ends; all of y when left out.
     """
 
-    def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints) -> None:
+    def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints, bounds: Sequence[int] | None = None) -> None:
         order = np.argsort(sources, kind="stable")
-        sources = sources[order]
+        targets, sources, factors = targets[order], sources[order], factors[order].astype(float)
         at = np.arange(len(sources))
         layer = at - np.maximum.accumulate(np.where(np.diff(sources, prepend=-1) != 0, at, 0))
         part = np.searchsorted(parts, sources, side="right")
         if layer.any():
             by_layer = np.lexsort((layer, part))  # which keeps the order of the sources
-            order, sources, part = order[by_layer], sources[by_layer], part[by_layer]
-        begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
-        self._runs = np.column_stack([begins, np.append(begins, len(sources))[1:], sources[begins] - begins])
-        self._starts = np.searchsorted(part[begins], np.arange(1, len(parts) + 1))
-        self._targets = targets[order].astype(np.uint32)  # without sign, so that Numba does not look for negative ones
-        factors = factors[order].astype(float)
+            targets, sources, factors, part = targets[by_layer], sources[by_layer], factors[by_layer], part[by_layer]
         self._table = np.unique(factors)
         codes = np.searchsorted(self._table, factors)
-        self._codes: NDArray[np.integer] = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
+        codes = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
+        self._ranges: list[Listed] = []
+        for first, end in pairwise([0, np.inf] if bounds is None else bounds):
+            own = slice(None) if bounds is None or len(bounds) == 2 else np.flatnonzero((targets >= first) & (targets < end))
+            self._ranges.append(_listed(targets[own], sources[own], codes[own], part[own], len(parts)))
 
-    def add(self, x: Floats, used: Bools, out: Floats) -> None:
-        """Add the parts in use, (n_part,), to ``out``."""
-        _add_parts(self._starts, self._runs, self._targets, self._codes, self._table, x, used, out)
+    def add(self, x: Floats, used: Bools, out: Floats, number: int = 0) -> None:
+        """Add the parts in use, (n_part,), to a range of ``out``, whose other numbers are left alone."""
+        _add_parts(*self._ranges[number], self._table, x, used, out)
 
 
-@kernel
+Listed = tuple[Ints, Ints, NDArray[np.uint32], NDArray[np.integer]]
+
+
+def _listed(targets: Ints, sources: Ints, codes: NDArray[np.integer], part: Ints, n_parts: int) -> Listed:
+    """Contributions, in their order, for :func:`_add_parts`: where runs begin for each part, runs, targets, codes of factors."""
+    begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
+    runs = np.column_stack([begins, np.append(begins, len(sources))[1:], sources[begins] - begins])
+    starts = np.searchsorted(part[begins], np.arange(1, n_parts + 1))
+    return starts, runs, targets.astype(np.uint32), codes  # targets without sign, so that Numba does not look for negative ones
+
+
+@shared
 def _add_parts(
     starts: Ints,
     runs: Ints,

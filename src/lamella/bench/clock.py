@@ -15,7 +15,7 @@ ENOUGH = 10.0
 """Seconds after which a piece of work is not repeated any more."""
 
 ONE_THREAD: dict[str, str] = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER"), "1"
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "LAMELLA_THREADS"), "1"
 )
 """Environment in which the libraries of linear algebra, and CalculiX, use one core; read when they are loaded."""
 

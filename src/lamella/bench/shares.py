@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from lamella.bench.row import Row
 
 PARTS = {
-    "factorisation": ("front_kernels.py", "factorise"),
+    "factorisation": ("multifrontal.py", "factorise"),
     "solution": ("multifrontal.py", "solve"),
     "element tangents": ("kernels.py", "force_tangent"),
     "element forces": ("kernels.py", "force"),

@@ -107,15 +107,21 @@ def _has_distribution(package: str) -> bool:
 
 def look_at_kernels() -> Iterator[Finding]:
     """Where compiled kernels are cached and whether they are there."""
-    from lamella._jit import CACHE_FOLDER, config
+    from lamella._jit import CACHE_FOLDER
 
     count = len(list(CACHE_FOLDER.rglob("*.nbc"))) if CACHE_FOLDER.is_dir() else 0
     state = f"{count} kernels compiled" if count else "empty: the first run compiles for half a minute"
     yield Finding("kernel cache", "ok" if count else "note", f"{CACHE_FOLDER} ({state})", "" if count else "nothing to do")
     if not os.access(CACHE_FOLDER, os.W_OK):
         yield Finding("kernel cache", "problem", f"{CACHE_FOLDER} cannot be written", "make it writable: every run compiles anew")
-    threads = config.NUMBA_NUM_THREADS
-    yield Finding("threads", "ok", f"{os.cpu_count()} processors, {threads} threads for Numba")
+
+
+def look_at_threads() -> Iterator[Finding]:
+    """How many threads a run takes."""
+    from lamella import threads
+
+    asked = f"as {threads.VARIABLE} says" if os.environ.get(threads.VARIABLE) else "chosen by the cores"
+    yield Finding("threads", "ok", f"{threads.number()} for large models, {asked}; {threads.cores()} cores may be used")
 
 
 def look_at_pictures() -> Iterator[Finding]:
@@ -167,4 +173,4 @@ def look_at_solution() -> Iterator[Finding]:
     )
 
 
-LOOKS = (look_at_versions, look_at_extras, look_at_kernels, look_at_pictures, look_at_disk, look_at_solution)
+LOOKS = (look_at_versions, look_at_extras, look_at_kernels, look_at_threads, look_at_pictures, look_at_disk, look_at_solution)

@@ -35,6 +35,9 @@ Settings = Annotated[
         "--set", metavar="KEY=VALUE", help="Replace a value of the model file, e.g. system.plate.mesh=[8,8]. May be repeated."
     ),
 ]
+Threads = Annotated[
+    int | None, typer.Option("--threads", min=1, help="Threads of the computation, for large models; two when left out.")
+]
 OutFolder = Annotated[Path | None, typer.Option("--out", "-o", help="Folder of the results; results/NAME when left out.")]
 
 
@@ -44,6 +47,14 @@ def _version(asked: bool) -> None:
 
         print(f"lamella {versions()['lamella']}")
         raise typer.Exit
+
+
+def _use_threads(count: int | None) -> None:
+    """Use so many threads; a wrong number in the environment is refused before anything is written."""
+    from lamella import threads
+
+    threads.use(count)
+    threads.number()
 
 
 @app.callback()
@@ -63,10 +74,12 @@ def run_model(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")] = False,
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Write data only: no plots, pictures or report.")] = False,
+    threads: Threads = None,
 ) -> None:
     """Compute what a model file asks for and write results, pictures and a report page."""
     from lamella.cli.run import run_command
 
+    _use_threads(threads)
     try:
         run_command(model, out, settings or [], overwrite=overwrite, quiet=quiet, pictures=not no_pictures)
     except KeyboardInterrupt as error:
@@ -114,10 +127,12 @@ def optimize(
     no_pictures: Annotated[
         bool, typer.Option("--no-pictures", help="Write the table only: no run of the best, no report.")
     ] = False,
+    threads: Threads = None,
 ) -> None:
     """Look for the values of parameters at which an output is best, by gradients."""
     from lamella.cli.optimise import optimise_command
 
+    _use_threads(threads)
     try:
         optimise_command(file, out, settings or [], overwrite=overwrite, quiet=quiet, pictures=not no_pictures)
     except KeyboardInterrupt as error:

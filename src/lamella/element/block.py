@@ -2,14 +2,40 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from lamella import threads
 from lamella.element.base import ElementSpec
 from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets, unpacked
 from lamella.errors import ModelError
+from lamella.lane import WIDTH
 from lamella.roles import Floats, ForceBlock, Ints
+
+Number = TypeVar("Number", bound=np.generic)
+
+
+class Range:
+    """Some consecutive blocks of elements, as what a kernel is to see of each array.
+
+    Args:
+        first, end: the blocks.
+        n_block: number of all.
+    """
+
+    def __init__(self, first: int, end: int, n_block: int) -> None:
+        self.first, self.end, self.n_block, self.is_all = first, end, n_block, end - first == n_block
+
+    def of(self, array: NDArray[Number]) -> NDArray[Number]:
+        """The part of a flat array, which has equally many entries for each block."""
+        if self.is_all:
+            return array
+        size = len(array) // self.n_block
+        return array[self.first * size : self.end * size]
 
 
 class ElementBlock(ForceBlock):
@@ -50,6 +76,7 @@ class ElementBlock(ForceBlock):
         coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
         self.element_scale = scale
         self.n_element, self.n_block = len(coords), n_blocks(len(coords))
+        self._all = Range(0, self.n_block, self.n_block)
         self._index, self._scale = packed_indices(coords), packed(scale)
         self.f_coords, self.f_scale = packed_targets(coords), self._scale
         self._coords = coords
@@ -68,6 +95,19 @@ class ElementBlock(ForceBlock):
     def k_scale(self) -> Floats:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Factor of each entry, shape (n_k,)."""
         return packed(self.element_scale[:, self.rows] * self.element_scale[:, self.columns])
+
+    def over_blocks(self, seconds: float, call: Callable[[Range], None]) -> None:
+        """Call a kernel for all blocks of elements: at once, or in threads, each for some of them, where that is faster.
+
+        Args:
+            seconds: what the kernel takes for one element.
+            call: calls it for some of the blocks.
+        """
+        ranges = threads.cut(self.n_block, WIDTH * seconds)
+        if len(ranges) == 1:
+            call(self._all)
+        else:
+            threads.run([partial(call, Range(*ends, self.n_block)) for ends in ranges])
 
     @property
     def depends_on_time_alone(self) -> bool:

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, kernel, shared
 from lamella.lane import WIDTH, load_at, number_at, store_at
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Indices, Ints
 
 BLOCK = 96
 """Columns of a panel that are factorised before the rest is updated: 3 ``WIDTH`` rows of them stay in the first-level cache."""
@@ -71,21 +71,29 @@ def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b
             i += 4
 
 
+@shared
+def subtract_rows(
+    c: Floats, c0: int, c_len: int, first: int, end: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int
+) -> None:
+    """:func:`subtract` for the rows from ``first``, a multiple of 3 WIDTH, to ``end``, another one or the last; B is at b[b0]."""
+    row = first
+    while row + 3 * WIDTH <= end:
+        for column in range(0, min(columns, row + 3 * WIDTH), 4):
+            _subtract_tall(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, b0 + column * n, n)
+        row += 3 * WIDTH
+    while row < end:
+        for column in range(0, min(columns, row + WIDTH), 4):
+            _subtract_flat(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, b0 + column * n, n)
+        row += WIDTH
+
+
 @kernel
 def subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
     """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
 
     Rows are a multiple of WIDTH, columns of 4.
     """
-    row = 0
-    while row + 3 * WIDTH <= rows:
-        for column in range(0, min(columns, row + 3 * WIDTH), 4):
-            _subtract_tall(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
-        row += 3 * WIDTH
-    while row < rows:
-        for column in range(0, min(columns, row + WIDTH), 4):
-            _subtract_flat(c, c0 + row + column * c_len, c_len, a, a0 + row, a_len, b, column * n, n)
-        row += WIDTH
+    subtract_rows(c, c0, c_len, 0, rows, columns, a, a0, a_len, b, 0, n)
 
 
 @kernel
@@ -138,29 +146,38 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
     return -1
 
 
+@shared
+def factorise_block(a: Floats, a0: int, a_len: int, p: int, first: int, limits: Floats, signs: Floats, s0: int, b: Floats) -> int:
+    """Factorise ``BLOCK`` columns of a panel from ``first`` on and pack them for what is right of it; -1, or the failed pivot."""
+    last = min(first + BLOCK, p)
+    left, sign = a0 + first * a_len, s0 + first
+    for j in range(first, last, 4):
+        n, start, width = j - first, j - j % WIDTH, min(4, p - j)
+        if n:
+            pack(a, left + j, a_len, width, signs, sign, b, n)
+            subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
+        failed = _factorise_columns(a, a0, a_len, j, limits, signs, s0)
+        if failed >= 0:
+            return failed
+    pack(a, left + last, a_len, a_len - last, signs, sign, b, last - first)
+    return -1
+
+
 @kernel
 def _factorise_front(
     a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, s0: int, b: Floats
 ) -> int:
     """Factorise a panel and subtract it from its update, ``BLOCK`` columns at a time; -1, or the pivot that failed."""
     for first in range(0, p, BLOCK):
+        failed = factorise_block(a, a0, a_len, p, first, limits, signs, s0, b)
+        if failed >= 0:
+            return failed
         last = min(first + BLOCK, p)
-        left, sign = a0 + first * a_len, s0 + first
-        for j in range(first, last, 4):
-            n, start, width = j - first, j - j % WIDTH, min(4, p - j)
-            if n:
-                pack(a, left + j, a_len, width, signs, sign, b, n)
-                subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
-            failed = _factorise_columns(a, a0, a_len, j, limits, signs, s0)
-            if failed >= 0:
-                return failed
-        n = last - first
+        left, n = a0 + first * a_len, last - first
         if last < p:
-            pack(a, left + last, a_len, p - last, signs, sign, b, n)
-            subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, b, n)
+            subtract_rows(a, a0 + last * (a_len + 1), a_len, 0, a_len - last, p - last, a, left + last, a_len, b, 0, n)
         if u_len:
-            pack(a, left + p, a_len, u_len, signs, sign, b, n)
-            subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, b, n)
+            subtract_rows(u, u0, u_len, 0, u_len, u_len, a, left + p, a_len, b, (p - last) * n, n)
     return -1
 
 
@@ -204,16 +221,36 @@ def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
         i += 1
 
 
-@kernel
+@shared
+def assemble(
+    k: Floats, entries: Indices, slots: Indices, starts: Ints, f: int, fronts: Ints, runs: Ints, a: Floats, u: Floats
+) -> None:
+    """Fill a front with its entries of the matrix and with the updates of its children; arguments as for :func:`factorise`."""
+    p, a_len, a0, u_len, u0 = fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
+    clear(a, a0, a_len * p)
+    for i in range(starts[f], starts[f + 1]):
+        a[slots[i]] = k[entries[i]] if entries[i] >= 0 else 1.0
+    clear(u, u0, u_len * u_len)
+    child = fronts[f, 9]
+    while child >= 0:
+        r0, r1 = fronts[child, 8], fronts[child + 1, 8]
+        extend_add(u, fronts[child, 6], fronts[child, 5], runs, r0, r1, a, a0, a_len, p, u0, u_len)
+        child = fronts[child, 10]
+
+
+@shared
 def factorise(
-    k: Floats, slots: Ints, ones: Ints, fronts: Ints, runs: Ints, limits: Floats, a: Floats, u: Floats, signs: Floats, b: Floats
-) -> int:
-    """Factorise all fronts, children before parents.
+    k: Floats, entries: Indices, slots: Indices, starts: Ints, first: int, end: int, fronts: Ints, runs: Ints, limits: Floats,
+    a: Floats, u: Floats, signs: Floats, b: Floats,
+) -> int:  # fmt: skip
+    """Factorise the fronts first ... end - 1, which hold all children of each, children before parents.
 
     Args:
         k: values of the matrix.
-        slots: position of each value in ``a``.
-        ones: positions in ``a`` of padded pivots.
+        entries: number of each entry of the matrix, front after front; -1 for a padded pivot, which is 1.
+        slots: its position in ``a``.
+        starts: where those of each front begin, shape (n_front + 1,).
+        first, end: which fronts.
         fronts: for each front its first position, pivots (padded), panel column length, panel start in ``a``, remaining rows,
             update column length, update start in ``u``, start of its part of the remaining rows, start of its part of ``runs``,
             first child and next sister (-1 when there is none); shape (n_front + 1, 11), the last row closing the starts.
@@ -227,21 +264,10 @@ def factorise(
     Returns:
         -1, or the position whose pivot is within its limit.
     """
-    for i in range(len(a)):
-        a[i] = 0.0
-    for i in range(len(k)):
-        a[slots[i]] = k[i]
-    for i in range(len(ones)):
-        a[ones[i]] = 1.0
-    for f in range(len(fronts) - 1):
-        first, p, a_len, a0, u_len, u0 = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
-        clear(u, u0, u_len * u_len)
-        child = fronts[f, 9]
-        while child >= 0:
-            r0, r1 = fronts[child, 8], fronts[child + 1, 8]
-            extend_add(u, fronts[child, 6], fronts[child, 5], runs, r0, r1, a, a0, a_len, p, u0, u_len)
-            child = fronts[child, 10]
-        failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits, signs, first, b)
+    for f in range(first, end):
+        assemble(k, entries, slots, starts, f, fronts, runs, a, u)
+        p, a_len, a0, u_len, u0 = fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
+        failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits, signs, fronts[f, 0], b)
         if failed >= 0:
-            return first + failed
+            return fronts[f, 0] + failed
     return -1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lamella._jit import kernel
+from lamella._jit import kernel, shared
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 
@@ -70,31 +70,37 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
         y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
 
 
-@kernel
-def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floats, y: Floats) -> None:
-    """x <- (L S U)^-1 x, by position.
+@shared
+def forward(order: Ints, fronts: Ints, runs: Ints, a: Floats, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
+    """x <- S L^-1 x for the pivots of some fronts, children before parents; arguments as for :func:`solve`.
 
-    Args:
-        fronts: as in :func:`lamella.solve.front_kernels.factorise`.
-        rows: position of each remaining row, front after front.
-        a: panels with L.
-        c: panels with U^T, which are those of L for a symmetric matrix.
-        signs: signs S by position.
-        x: right-hand side and solution by position, zero at padded pivots.
-        y: workspace of the longest panel column.
+    What a front adds to rows above it is kept, so that fronts of which none is above the other can be done at the same time.
     """
-    for f in range(len(fronts) - 1):
+    for f in order:
         first, p, a_len, a0, n, start = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 4], fronts[f, 7]
         for i in range(p):
             y[i] = x[first + i]
         for i in range(p, a_len):
             y[i] = 0.0
+        child = fronts[f, 9]
+        while child >= 0:
+            for r in range(fronts[child, 8], fronts[child + 1, 8]):
+                source, target = fronts[child, 7] + runs[r, 0], runs[r, 1]
+                for i in range(runs[r, 2]):
+                    y[target + i] += rest[source + i]
+            child = fronts[child, 10]
         _forward(a, a0, a_len, p, y)
         for i in range(p):
             x[first + i] = y[i] * signs[first + i]
         for i in range(n):
-            x[rows[start + i]] += y[p + i]
-    for f in range(len(fronts) - 2, -1, -1):
+            rest[start + i] = y[p + i]
+
+
+@shared
+def backward(order: Ints, fronts: Ints, rows: Ints, c: Floats, x: Floats, y: Floats) -> None:
+    """x <- U^-1 x for the pivots of some fronts, parents before children, the last in ``order`` first; see :func:`solve`."""
+    for k in range(len(order) - 1, -1, -1):
+        f = order[k]
         first, p, a_len, a0, n, start = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 4], fronts[f, 7]
         for i in range(p):
             y[i] = x[first + i]
@@ -108,13 +114,47 @@ def solve(fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, x: Floa
 
 
 @kernel
-def solve_coordinates(
-    fronts: Ints, rows: Ints, a: Floats, c: Floats, signs: Floats, position: Ints, r: Floats, x: Floats, y: Floats, out: Floats
+def solve(
+    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Floats, c: Floats, signs: Floats, x: Floats, rest: Floats, y: Floats
 ) -> None:
-    """out <- (L S U)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""
+    """x <- (L S U)^-1 x, by position.
+
+    Args:
+        order: all fronts, children before parents.
+        fronts, runs: as in :func:`lamella.solve.front_kernels.factorise`.
+        rows: position of each remaining row, front after front.
+        a: panels with L.
+        c: panels with U^T, which are those of L for a symmetric matrix.
+        signs: signs S by position.
+        x: right-hand side and solution by position, zero at padded pivots.
+        rest: workspace, as long as ``rows``.
+        y: workspace of the longest panel column.
+    """
+    forward(order, fronts, runs, a, signs, x, rest, y)
+    backward(order, fronts, rows, c, x, y)
+
+
+@kernel
+def spread_positions(r: Floats, position: Ints, x: Floats) -> None:
+    """x <- r by position, zero where a position fills up."""
     x[:] = 0.0
     for i in range(len(r)):
         x[position[i]] = r[i]
-    solve(fronts, rows, a, c, signs, x, y)
-    for i in range(len(r)):
+
+
+@kernel
+def gather_coordinates(x: Floats, position: Ints, out: Floats) -> None:
+    """out <- x by coordinate."""
+    for i in range(len(out)):
         out[i] = x[position[i]]
+
+
+@kernel
+def solve_coordinates(
+    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Floats, signs: Floats, position: Ints, r: Floats,
+    x: Floats, rest: Floats, y: Floats, out: Floats,
+) -> None:  # fmt: skip
+    """out <- (L S L^T)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""
+    spread_positions(r, position, x)
+    solve(order, fronts, rows, runs, a, a, signs, x, rest, y)
+    gather_coordinates(x, position, out)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
 from lamella.lane import WIDTH
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Indices, Ints
 from lamella.solve.fronts import Front, fronts_of, nodes_of
 
 
@@ -166,6 +167,17 @@ class FrontLayout:
         self.pivots = a0 + (np.arange(len(f)) - first) * (a_len + 1)
         self.diagonal = np.flatnonzero(p == q)
         self.diagonal_position = p[self.diagonal]
+
+    @cached_property
+    def entries(self) -> tuple[Indices, Indices, Ints]:
+        """Numbers of the entries, -1 for padded pivots, front after front, their slots, and where those of each front begin."""
+        of_padded = np.searchsorted(self.fronts[:-1, 0], self.padded, side="right") - 1
+        owner = np.concatenate([self.owner, of_padded])
+        order = np.argsort(owner, kind="stable")
+        numbers = np.concatenate([np.arange(len(self.owner)), np.full(len(self.padded), -1)])
+        slots = np.concatenate([self.slots, self.pivots[self.padded]])
+        starts = np.searchsorted(owner[order], np.arange(len(self.fronts)))
+        return numbers[order].astype(np.int32), slots[order].astype(np.int32), starts
 
     def limits(self, k: Floats, tolerance: float) -> Floats:
         """Magnitude that each pivot must exceed, by position: a fraction of its diagonal entry; 0 at padded ones."""

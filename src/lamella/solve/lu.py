@@ -47,6 +47,7 @@ class MultifrontalLU:
         self._u, self._v = aligned(layout.update_size), aligned(layout.update_size)
         self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
         self._b, self._y = aligned(BLOCK * layout.longest + WIDTH), aligned(layout.longest)
+        self._order, self._rest = np.arange(len(layout.fronts) - 1), np.zeros(len(layout.rows))
 
     def factorise(self, k: Floats, more: Floats) -> int:
         """Factorise the matrix of values in both arrays; -1, or the coordinate whose pivot is rounding error."""
@@ -71,4 +72,4 @@ class MultifrontalLU:
     def solve(self, z: Floats) -> None:
         """z <- A^-1 z by position, zero at those that fill up, for the last successful factorisation."""
         at = self._layout
-        front_solution.solve(at.fronts, at.rows, self._a, self._c, self._signs, z, self._y)
+        front_solution.solve(self._order, at.fronts, at.rows, at.runs, self._a, self._c, self._signs, z, self._rest, self._y)

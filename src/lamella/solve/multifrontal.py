@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
+from lamella import threads
 from lamella.assembly.pattern import Pattern
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats
+from lamella.roles import Floats, Ints
 from lamella.solve import front_kernels, front_solution
 from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
 from lamella.solve.layout import layout_of
+from lamella.solve.schedule import row_ranges, schedule_of
+from lamella.threads import Workspace
 
 
 class Multifrontal(SymmetricFactor):
@@ -25,32 +30,85 @@ class Multifrontal(SymmetricFactor):
     def __init__(self, pattern: Pattern) -> None:
         self.pattern = pattern
         self._layout = layout = layout_of(pattern)
+        self._plan = plan = schedule_of(layout)
         self.cost, self.size = layout.cost, layout.size
-        self._a, self._u = aligned(layout.size + WIDTH), aligned(layout.update_size)
+        self._a, self._u = aligned(layout.size + WIDTH), aligned(plan.update_size)
         self._signs = np.ones(len(layout.coordinate))
-        self._padded_at = layout.pivots[layout.padded]
-        self._z = np.zeros(len(layout.coordinate))
-        self._b, self._y = aligned(front_kernels.BLOCK * layout.longest + WIDTH), aligned(layout.longest)
+        self._z, self._rest = np.zeros(len(layout.coordinate)), np.zeros(len(layout.rows))
+        self._b = Workspace(front_kernels.BLOCK * layout.longest + WIDTH)
+        self._y, self._order = Workspace(layout.longest), np.arange(len(layout.fronts) - 1)
+        self._orders = [self._order[slice(*subtree)] for subtree in plan.subtrees]
 
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""
-        at = self._layout
+        at, plan = self._layout, self._plan
         limits = at.limits(k, PIVOT_TOLERANCE)
-        failed = front_kernels.factorise(
-            k, at.slots, self._padded_at, at.fronts, at.runs, limits, self._a, self._u, self._signs, self._b
-        )
+
+        def subtree(first: int, end: int) -> int:
+            return front_kernels.factorise(
+                k, *at.entries, first, end, plan.fronts, at.runs, limits, self._a, self._u, self._signs, self._b.array
+            )
+
+        found = threads.run([partial(subtree, *fronts) for fronts in plan.subtrees])
+        failed = min((position for position in found if position >= 0), default=-1)
+        for f in plan.above:
+            if failed < 0:
+                failed = self._factorise_above(k, int(f), limits)
         self.negative_pivots = int(np.count_nonzero(self._signs < 0))
         return int(at.coordinate[failed]) if failed >= 0 else -1
 
+    def _factorise_above(self, k: Floats, f: int, limits: Floats) -> int:
+        """Factorise a front above the subtrees, the rows of whose update go to the threads; -1, or the position that failed."""
+        plan, a, u, b = self._plan, self._a, self._u, self._b.array
+        front_kernels.assemble(k, *self._layout.entries, f, plan.fronts, self._layout.runs, a, u)
+        position, p, a_len, a0, _, u_len, u0 = plan.fronts[f, :7].tolist()
+        for first in range(0, p, front_kernels.BLOCK):
+            failed = front_kernels.factorise_block(a, a0, a_len, p, first, limits, self._signs, position, b)
+            if failed >= 0:
+                return position + failed
+            last = min(first + front_kernels.BLOCK, p)
+            left, n = a0 + first * a_len, last - first
+            panel = a, a0 + last * (a_len + 1), a_len
+            update = u, u0, u_len
+            of_update, of_panel = row_ranges(u_len, u_len, n), row_ranges(a_len - last, p - last, n)
+            calls = [
+                partial(front_kernels.subtract_rows, *update, *rows, u_len, a, left + p, a_len, b, (p - last) * n, n)
+                for rows in of_update
+            ]
+            calls += [
+                partial(front_kernels.subtract_rows, *panel, *rows, p - last, a, left + last, a_len, b, 0, n) for rows in of_panel
+            ]
+            threads.run(calls, worthwhile=max(len(of_update), len(of_panel)) > 1)
+        return -1
+
     def solve(self, r: Floats) -> Floats:
         """K^-1 r by forward and back substitution."""
-        at, x = self._layout, np.empty_like(r)
         if r.ndim == 1:
-            front_solution.solve_coordinates(
-                at.fronts, at.rows, self._a, self._a, self._signs, at.position, r, self._z, self._y, x
-            )
-            return x
+            return self._solve(r)
+        x = np.empty_like(r)
         columns, out = r.reshape(len(r), -1), x.reshape(len(r), -1)
         for i in range(columns.shape[1]):
-            out[:, i] = self.solve(np.ascontiguousarray(columns[:, i]))
+            out[:, i] = self._solve(np.ascontiguousarray(columns[:, i]))
+        return x
+
+    def _solve(self, r: Floats) -> Floats:
+        at, plan, z, x = self._layout, self._plan, self._z, np.empty_like(r)
+        if not plan.solves:
+            work = z, self._rest, self._y.array
+            panels = plan.fronts, at.rows, at.runs, self._a, self._signs
+            front_solution.solve_coordinates(self._order, *panels, at.position, r, *work, x)
+            return x
+
+        def forward(order: Ints) -> None:
+            front_solution.forward(order, plan.fronts, at.runs, self._a, self._signs, z, self._rest, self._y.array)
+
+        def backward(order: Ints) -> None:
+            front_solution.backward(order, plan.fronts, at.rows, self._a, z, self._y.array)
+
+        front_solution.spread_positions(r, at.position, z)
+        threads.run([partial(forward, order) for order in self._orders])
+        forward(plan.above)
+        backward(plan.above)
+        threads.run([partial(backward, order) for order in self._orders])
+        front_solution.gather_coordinates(z, at.position, x)
         return x

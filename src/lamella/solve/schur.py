@@ -70,7 +70,7 @@ class SchurSolver(LinearSolver):
     def _inaccurate(self, k: Floats) -> int:
         """Solve for a known right-hand side; -1, or the coordinate with the largest residual when it is not small."""
         upper = sparse.csr_array((k, self.pattern.indices, self.pattern.indptr), shape=(self.pattern.n, self.pattern.n))
-        diagonal = upper.diagonal()
+        diagonal = self.pattern.diagonal(k)
         scale = np.sqrt(np.maximum(np.abs(diagonal), np.finfo(float).tiny))
         b = self._probe * scale
         x = self._factor.solve(b)

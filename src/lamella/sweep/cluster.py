@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
-from lamella import __version__
+from lamella import __version__, threads
 from lamella.errors import MissingExtraError, WorkerError
 from lamella.sweep.task import Row, Task, run_task
 
@@ -16,6 +16,12 @@ TIMEOUT = 10.0
 
 PATIENCE = 15.0
 """Seconds without a finished run after which it is asked whether there are workers."""
+
+
+def _run_alone(task: Task) -> Row:
+    """A run on one thread, in a worker, which has neighbours on its machine."""
+    threads.use(1)
+    return run_task(task)
 
 
 class ClusterWorkers:
@@ -63,7 +69,7 @@ class ClusterWorkers:
             WorkerError: the cluster was lost, or its workers have no or another lamella.
         """
         executor = self._client.get_executor(pure=False)
-        running: dict[Future[Row], Task] = {executor.submit(run_task, task): task for task in tasks}
+        running: dict[Future[Row], Task] = {executor.submit(_run_alone, task): task for task in tasks}
         try:
             while running:
                 done = wait(running, timeout=PATIENCE, return_when=FIRST_COMPLETED).done

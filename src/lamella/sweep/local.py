@@ -14,6 +14,7 @@ from contextlib import suppress
 from multiprocessing.connection import wait as wait_for
 from typing import Any
 
+from lamella import threads
 from lamella.errors import WorkerError
 from lamella.sweep.task import Row, Task, ready, run_task
 
@@ -21,7 +22,7 @@ ATTEMPTS = 3
 """Times a run is tried whose worker dies."""
 
 ONE_THREAD: dict[str, str] = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", threads.VARIABLE), "1"
 )
 """Environment of workers: with a process for each core, threads within them only get in each other's way."""
 
@@ -29,11 +30,6 @@ HINT = (
     "the worker processes end before their first run; a script that runs a study must do so below "
     "'if __name__ == \"__main__\":', since each worker imports it"
 )
-
-
-def cores() -> int:
-    """Number of cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Worker:

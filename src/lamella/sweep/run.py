@@ -8,11 +8,12 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from lamella import threads
 from lamella.errors import WorkerError
 from lamella.progress import CountBar
 from lamella.study.run import Say, silent
 from lamella.sweep.cluster import ClusterWorkers
-from lamella.sweep.local import LocalWorkers, cores
+from lamella.sweep.local import LocalWorkers
 from lamella.sweep.report import write_outputs
 from lamella.sweep.store import Store
 from lamella.sweep.study import Checked, ParameterStudy, StudyFile
@@ -83,7 +84,7 @@ def _run(
     if study.cluster is not None:
         workers = ClusterWorkers(study.cluster, say)
     else:
-        workers = LocalWorkers(min(study.workers or cores(), len(left)), say)
+        workers = LocalWorkers(min(study.workers or threads.cores(), len(left)), say)
     with workers, closing(workers.run(left)) as finished:
         bar = CountBar("study", len(rows), len(rows) + len(left), "runs") if progress else None
         try:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lamella.element.block import ElementBlock
+from lamella.element.block import ElementBlock, Range
 from lamella.element.plate36 import kernels
 from lamella.element.plate36.shape import Plate36, expansion
 from lamella.element.plate48.damping import DampedShellBlock, KelvinVoigtBlock
@@ -16,6 +16,10 @@ from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import Plate48, product_order
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
+from lamella.threads import Workspace
+
+CONDENSED = 3e-6
+"""Seconds that it takes to condense the tangent of an element."""
 
 
 class CondensedBlock(ElementBlock):
@@ -61,7 +65,7 @@ class CondensedBlock(ElementBlock):
         self._source, self._is_upper = _sources(symmetric, self._places)
         n = self.n_block * WIDTH
         self._q, self._v, self._q_previous, self._f = (aligned(48 * n) for _ in range(4))
-        self._k, self._work = aligned(len(self._full.rows) * n), aligned(12 * 16 * WIDTH)
+        self._k, self._work = aligned(len(self._full.rows) * n), Workspace(12 * 16 * WIDTH)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """The force P^T f48."""
@@ -81,7 +85,12 @@ class CondensedBlock(ElementBlock):
         previous = full if q_previous is q else self._expanded(q_previous, self._q_previous)
         self._full.force_tangent(t, full, self._velocities(v), alpha_q, alpha_v, previous, self._f, self._k)
         kernels.condense_force(self._f, self._twists, self._places, f)
-        kernels.condense_tangent(self._k, len(self._full.rows), self._source, self._is_upper, self._twists, self._work, k)
+        self.over_blocks(CONDENSED, lambda blocks: self._condense(blocks, k))
+
+    def _condense(self, blocks: Range, k: Floats) -> None:
+        full, own = blocks.of(self._k), blocks.of(k)
+        n, work = len(self._full.rows), self._work.array
+        kernels.condense_tangent(full, n, self._source, self._is_upper, self._twists, work, own)
 
     def energy(self, t: float, q: Floats) -> float:
         """Potential energy [J]."""

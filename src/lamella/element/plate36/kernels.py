@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, kernel, shared
 from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats, Ints
 
@@ -56,7 +56,7 @@ def condense_force(full: Floats, twists: Floats, places: Ints, f: Floats) -> Non
                 store(f, 36 * block + 3 * i + c, _with_twists(load(full, at + places[i]), of_twists, twists, i))
 
 
-@kernel
+@shared
 def condense_tangent(full: Floats, n_entry: int, source: Ints, is_upper: Ints, twists: Floats, work: Floats, k: Floats) -> None:
     """P^T K48 P, k (block, entry), from full (block, n_entry): rows first, then columns, for each pair of components.
 

@@ -7,13 +7,18 @@ from typing import ClassVar
 import numpy as np
 from scipy.sparse import csr_array
 
+from lamella.element.block import Range
 from lamella.element.plate48 import damping_kernels as kernels
 from lamella.element.plate48.entries import all_entries
 from lamella.element.plate48.kernels import energy as elastic_energy
-from lamella.element.plate48.layout import Plate48Block, gauss_tables
+from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.section import Section
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
+from lamella.threads import Workspace
+
+FORCE, TANGENT = 60e-9, 0.8e-6
+"""Seconds that force and tangent take for a Gauss point of an element."""
 
 
 class KelvinVoigtBlock(Plate48Block):
@@ -44,7 +49,7 @@ class KelvinVoigtBlock(Plate48Block):
     ) -> None:
         super().__init__(name, coords, scale, reference, *all_entries())
         self.time, self._arguments = time, self.kernel_arguments(gauss_tables(self, section, n_gauss))
-        self._work, self._power = aligned(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
+        self._work, self._power = Workspace(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         self._unused, self._energies = np.empty(len(self.f_coords)), aligned(self.n_block * WIDTH)
         if len(self._arguments) > 1:
             self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.k_rows.size), self._power.copy()
@@ -58,23 +63,38 @@ class KelvinVoigtBlock(Plate48Block):
         self._force(q, v, f, elastic=False)
 
     def _force(self, q: Floats, v: Floats, f: Floats, *, elastic: bool) -> None:
-        how = self.time, elastic
-        kernels.viscous_force(q, v, *how, *self._arguments[0], self._work, f, self._power)
+        self._viscous_force(self._arguments[0], q, v, elastic, f, self._power)
         for arguments in self._arguments[1:]:
-            kernels.viscous_force(q, v, *how, *arguments, self._work, self._f, self._part_power)
+            self._viscous_force(arguments, q, v, elastic, self._f, self._part_power)
             f += self._f
             self._power += self._part_power
+
+    def _viscous_force(self, arguments: KernelArguments, q: Floats, v: Floats, elastic: bool, f: Floats, power: Floats) -> None:
+        def call(blocks: Range) -> None:
+            own = seen(arguments, blocks)
+            kernels.viscous_force(q, v, self.time, elastic, *own, self._work.array, blocks.of(f), blocks.of(power))
+
+        self.over_blocks(FORCE * arguments[4] ** 2, call)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Viscous force and its exact tangent."""
         self.force(t, q, v, f)
-        how = q_previous, q_previous is not q, alpha_q, alpha_v, self.time, self.elastic
-        kernels.viscous_tangent(q, v, *how, *self._arguments[0], self._work, k)
+        how = q_previous, q_previous is not q, alpha_q, alpha_v
+        self._viscous_tangent(self._arguments[0], q, v, how, k)
         for arguments in self._arguments[1:]:
-            kernels.viscous_tangent(q, v, *how, *arguments, self._work, self._k)
+            self._viscous_tangent(arguments, q, v, how, self._k)
             k += self._k
+
+    def _viscous_tangent(
+        self, arguments: KernelArguments, q: Floats, v: Floats, how: tuple[Floats, bool, float, float], k: Floats
+    ) -> None:
+        def call(blocks: Range) -> None:
+            own = seen(arguments, blocks)
+            kernels.viscous_tangent(q, v, *how, self.time, self.elastic, *own, self._work.array, blocks.of(k))
+
+        self.over_blocks(TANGENT * arguments[4] ** 2, call)
 
     def energy(self, t: float, q: Floats) -> float:
         """No potential."""
@@ -98,7 +118,7 @@ class DampedShellBlock(KelvinVoigtBlock):
         """Strain energy [J]."""
         total = 0.0
         for arguments in self._arguments:
-            elastic_energy(q, *arguments, self._work, self._energies)
+            elastic_energy(q, *arguments, self._work.array, self._energies)
             total += float(self._energies[: self.n_element].sum())
         return total
 

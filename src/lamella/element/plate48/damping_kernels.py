@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, kernel, shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
@@ -211,7 +211,7 @@ def _weighted6(a: float, s: tuple[Any, ...], b: float, r: tuple[Any, ...]) -> tu
     )  # fmt: skip
 
 
-@kernel
+@shared
 def viscous_force(
     q: Floats,
     v: Floats,
@@ -252,7 +252,7 @@ def viscous_force(
         store(power, block, total)
 
 
-@kernel
+@shared
 def viscous_tangent(
     q: Floats,
     v: Floats,

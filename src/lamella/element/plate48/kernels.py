@@ -14,7 +14,7 @@ flat and hold lanes of numbers, one for each element of a block, and are counted
 
 from __future__ import annotations
 
-from lamella._jit import kernel
+from lamella._jit import kernel, shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
@@ -59,7 +59,7 @@ def energy(
         store(out, block, total)
 
 
-@kernel
+@shared
 def force(
     q: Floats, index: Ints, scale: Floats, sections: Floats, table: Floats, n: int, cubed: Cubed, work: Floats, f: Floats
 ) -> None:
@@ -108,7 +108,7 @@ def _points_of_block(
             store_hessian(work, hessian + (i * n + j) * 25, step, g, m, d1, d2, c, res, cubed)
 
 
-@kernel
+@shared
 def force_tangent(
     q: Floats,
     q_previous: Floats,

@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 
-from lamella.element.block import ElementBlock
+from lamella.element.block import ElementBlock, Range
 from lamella.element.packing import packed
 from lamella.element.plate48.section import Curvature, Section
 from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order
@@ -14,6 +14,14 @@ from lamella.element.plate48.strain import Cubed
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import ModelError
 from lamella.roles import Floats, Ints
+
+KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
+
+
+def seen(arguments: KernelArguments, blocks: Range) -> KernelArguments:
+    """The arguments for some blocks of elements."""
+    index, scale, sections, table, n, cubed = arguments
+    return blocks.of(index), blocks.of(scale), blocks.of(sections), table, n, cubed
 
 
 class Plate48Block(ElementBlock):
@@ -34,7 +42,7 @@ class Plate48Block(ElementBlock):
     def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, rows: Ints, columns: Ints) -> None:
         super().__init__(name, Plate48(), product_order(), coords, scale, reference, rows, columns)
 
-    def kernel_arguments(self, tables: list[GaussTables]) -> list[tuple[Ints, Floats, Floats, Floats, int, Cubed]]:
+    def kernel_arguments(self, tables: list[GaussTables]) -> list[KernelArguments]:
         """Index, scale, sections, table, number of points and normal for each part of the section."""
         return [(self._index, self._scale, part.sections, part.table, part.n, part.cubed) for part in tables]
 

@@ -1,0 +1,135 @@
+"""Work in threads: how many there are, and how a piece of work is cut among them.
+
+Kernels that are declared ``shared`` run side by side. Each piece of work writes to places of its own, in
+the order in which one thread would write them, so that results are the same to the last bit for any number of threads.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import TypeVar
+
+from lamella.errors import ModelError
+from lamella.lane import aligned
+from lamella.roles import Floats
+
+T = TypeVar("T")
+
+VARIABLE = "LAMELLA_THREADS"
+"""Environment variable with the number of threads."""
+MOST = 2
+"""Threads that are used unless another number is asked for; what more of them bring has not been measured."""
+WORTHWHILE = 8e-4
+"""Seconds of work from which it is cut: to hand it out and to wait for it takes some 0.1 ms, more on a busy machine."""
+SHORTEST = 2e-4
+"""Seconds that a piece should take at least."""
+PIECES = 4
+"""Pieces for each thread, so that one which is late is left with less of them."""
+
+_chosen: int | None = None
+_pool: ThreadPoolExecutor | None = None
+
+
+def cores() -> int:
+    """Number of cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def number() -> int:
+    """Number of threads: that of :func:`use`, else of the environment, else one for each core, two at most.
+
+    Raises:
+        ModelError: the environment asks for what is no number of threads.
+    """
+    if _chosen is None:
+        text = os.environ.get(VARIABLE, "")
+        use(_read(text) if text else min(cores(), MOST))
+    assert _chosen is not None
+    return _chosen
+
+
+def use(count: int | None) -> None:
+    """Use so many threads from now on, 1 for none beside the calling one; None: what the environment says.
+
+    Raises:
+        ModelError: the number is not positive.
+    """
+    global _chosen
+    if count is not None and count < 1:
+        raise ModelError(f"threads: {count} is not accepted; choose a whole number from 1")
+    _forget_pool()
+    _chosen = count
+
+
+def _read(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) < 1:
+        raise ModelError(f"{VARIABLE} = '{text}' is not accepted; choose a whole number from 1, or leave it out")
+    return int(text)
+
+
+def _forget_pool() -> None:
+    global _pool
+    if _pool is not None:
+        _pool.shutdown(wait=False)
+    _pool = None
+
+
+def _lose_pool() -> None:
+    """In a process that was forked, which has none of its threads."""
+    global _pool
+    _pool = None
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_lose_pool)
+
+
+def run(calls: Sequence[Callable[[], T]], *, worthwhile: bool = True) -> list[T]:
+    """Make all calls, the longest of which should come first, and return what they return.
+
+    The calling thread makes the first one, and then the last of those that no other has begun: it never waits for a thread that
+    is not running. Without ``worthwhile`` it makes them all.
+    """
+    global _pool
+    if not worthwhile or number() == 1 or len(calls) < 2:
+        return [call() for call in calls]
+    if _pool is None:
+        _pool = ThreadPoolExecutor(number() - 1, "lamella")
+    futures = [_pool.submit(call) for call in calls[1:]]
+    try:
+        own = {0: calls[0]()}
+        for i in range(len(futures), 0, -1):
+            if futures[i - 1].cancel():
+                own[i] = calls[i]()
+    finally:  # also after an error: what they write to may be used for something else
+        wait([future for future in futures if not future.cancel()])
+    return [own[i] if i in own else futures[i - 1].result() for i in range(len(calls))]
+
+
+def cut(n: int, seconds: float) -> list[tuple[int, int]]:
+    """Ranges (first, end) of n things that take so many seconds each, one range where threads would not pay."""
+    total, count = n * seconds, number()
+    if count == 1 or total < WORTHWHILE:
+        return [(0, n)]
+    pieces = max(1, min(n, PIECES * count, int(total / SHORTEST)))
+    return [(n * i // pieces, n * (i + 1) // pieces) for i in range(pieces)]
+
+
+class Workspace(threading.local):
+    """Work space of kernels, for each thread its own.
+
+    Args:
+        size: numbers.
+
+    Attributes:
+        array: that of the thread that asks, flat and aligned.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.array: Floats = aligned(size)
+
+    def __reduce__(self) -> tuple[type[Workspace], tuple[int]]:
+        return Workspace, (len(self.array),)
