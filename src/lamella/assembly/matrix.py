@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
@@ -23,6 +24,8 @@ ENTRY = 2e-9
 """Seconds that it takes to sum an entry of a buffer into the matrix."""
 RANGES = 8
 """Ranges of a large matrix."""
+FLAGS = 2**18
+"""Entries of a full matrix that are looked at together to find those that occur."""
 EVERY = np.ones(1, bool)
 """The one part of a buffer that is always in use."""
 
@@ -179,20 +182,28 @@ def _bounds(n_entries: int, n_values: int) -> list[int]:
 
 
 def _places(rows: Ints, cols: Ints, n: int) -> tuple[Ints, Ints]:
-    """The places row n + col that occur, ascending, and which of them each entry has; sorted by counting, in linear time."""
-    order = _sorted_by(cols, n)
-    order = order[_sorted_by(rows[order], n)]
-    keys = rows.astype(np.int64)[order] * n + cols[order]
-    new = np.diff(keys, prepend=-1) != 0
-    slots = np.empty(len(keys), np.int64)
-    slots[order] = np.cumsum(new) - 1
-    return keys[new], slots
-
-
-def _sorted_by(numbers: Ints, n: int) -> Ints:
-    """The stable order of numbers below n: SciPy counts them when it compresses the rows of a matrix."""
-    entries = np.ones(len(numbers), np.int8), (numbers, np.arange(len(numbers)))
-    return sparse.csr_array(sparse.coo_array(entries, shape=(n, len(numbers)))).indices.astype(np.int64)
+    """The places row n + col that occur, ascending, and which of them each entry has; by flags, for some rows at a time."""
+    height = min(n, max(32, FLAGS // n))
+    part = (rows // height).astype(np.uint16 if n <= height * np.iinfo(np.uint16).max else np.int64)
+    order = np.argsort(part, kind="stable")  # of 16 bits it counts
+    bounds = np.searchsorted(part[order], np.arange(-(-n // height) + 1))
+    flags, number = np.zeros(height * n, bool), np.empty(height * n, np.int64)
+    places, slots, count = [np.zeros(0, np.int64)], np.empty(len(rows), np.int64), 0
+    for i, (first, end) in enumerate(pairwise(bounds)):
+        if first == end:
+            continue
+        own = order[first:end] if end - first < len(rows) else slice(None)
+        left = int(cols[own].min())
+        wide = int(cols[own].max()) + 1 - left  # a band is looked through in no time
+        keys = (rows[own] - i * height) * wide + cols[own] - left
+        flags[: height * wide] = False
+        flags[keys] = True
+        found = np.flatnonzero(flags[: height * wide])
+        number[found] = np.arange(count, count + len(found))
+        slots[own] = number[keys]
+        places.append((found // wide + i * height) * n + found % wide + left)
+        count += len(found)
+    return np.concatenate(places), slots
 
 
 def _shifted(entries: Entries, start: int) -> Entries:
