@@ -207,7 +207,7 @@ def test_the_study_of_layups_goes_with_its_model() -> None:
     source = read_study(examples()["layup-study"].folder / "study.yaml")
     checked = source.checked()
     assert checked.units == dict.fromkeys(("drive", "drive_std", "guide", "guide_std"), "N")
-    at_45 = next(row for row in source.study.rows() if row["angle"] == 45)
+    at_45 = next(row for row in source.study.rows() if row["angle"] == "45 deg")
     panel = read_model(checked.path, source.study.settings(at_45)).system.bodies[0].laminate
     assert panel.angles == read_model(examples()["solar-array"].model).system.bodies[0].laminate.angles
 
