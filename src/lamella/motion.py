@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import ceil
 
@@ -20,7 +20,7 @@ from lamella.progress import ProgressBar, compilation_notice
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Start, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
-from lamella.solve.initial import changes, make_consistent, refuse_locked, solve_rates
+from lamella.solve.initial import balance, changes, make_consistent, refuse_locked, solve_rates, with_jump
 from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 from lamella.system import System
@@ -210,8 +210,10 @@ class March:
                     return failure
                 if stop == jumps[0]:
                     jumps = jumps[1:]
-                if stop < self.t_end and not self.control():
+                if jumping:
                     self.restart()
+                if stop < self.t_end:
+                    self.control()
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.t, self.t_end)
         except ResultFileError as error:
@@ -289,13 +291,21 @@ class March:
             cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
         return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
 
-    def control(self) -> bool:
+    def control(self) -> None:
         """Let controllers act whose time it is; the state behind the jump of their loads is recorded as well."""
-        if not self.sampling.act(self.t, self.whole()):
-            return False
-        self.restart()
+        if self.sampling.due(self.t):
+            self.jump(lambda: self.sampling.act(self.t, self.whole()))
+
+    def jump(self, change: Callable[[], None]) -> None:
+        """Let inputs jump: places and velocities go on, and accelerations and multipliers jump with them; record that."""
+        point = self.equations.point_of(self.state, self.t)
+        before = balance(self.equations, point)
+        change()
+        point = with_jump(self.equations, point, before, self.linear)
+        self.state = self.equations.state(point)
+        if self.stepper.jump(point):
+            self.dt = None
         self.recorder.sample(self.t, self.state)
-        return True
 
     def whole(self) -> State:
         """The present state with what a step that is not recorded leaves out."""
@@ -304,7 +314,7 @@ class March:
         return self.state
 
     def restart(self) -> None:
-        """After a jump of a load or an input: velocities go on, accelerations and multipliers are solved for anew."""
+        """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""
         point = self.equations.point_of(self.state, self.t)
         solve_rates(self.equations, point, self.linear)
         self.state = self.equations.state(point)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from linear_systems import cantilever, system_of
+from linear_systems import cantilever, hub, pendulum, system_of
 from scipy.signal import cont2discrete
 
 import lamella as lm
@@ -88,6 +88,57 @@ def test_a_plate_is_damped_as_its_linear_model_foretells():
     # as the step without a loop: phase of the time steps, and modes that they do not resolve
     assert np.abs(found - z).max() < 1e-2 * np.abs(z).max()
     assert np.abs(z[-40:] - np.mean(z[-40:])).max() < 0.2 * np.max(z)  # it is a brake
+
+
+def sunlit():
+    """A plate that the sun heats and bends."""
+    foil = lm.Laminate(lm.Isotropic(E=7e9, nu=0.3, rho=2700.0, alpha=2e-5, k=150.0, c=900.0), thickness=2e-3)
+    plate = lm.Plate("plate", (0.5, 0.1), (2, 1), foil, damping=1e-3)
+    plate.marker("tip", 0.5, 0.05)
+    sun = lm.SolarFlux("sun", plate, (0, 0, -1.0), constant=1e5, absorptivity=0.8)
+    return system_of(plate, lm.Clamp("root", plate.edge("x-")), lm.TemperatureField("heat", plate), sun)
+
+
+@pytest.mark.parametrize(
+    ("make", "load", "watched"),
+    [
+        (lambda: pendulum(angle=0.5, torque=lm.Constant(1.0)), "motor", "bob.position"),
+        (lambda: hub(omega=5.0, torque=1.0, damping=1e-2), "motor", "tip.position"),
+        (sunlit, "sun", "tip.position"),
+        (sunlit, "sun", "tip.T_N"),
+    ],
+    ids=["pendulum", "damped blade on a hub", "heated plate", "its temperature"],
+)
+def test_samples_without_a_jump_leave_the_motion_as_it_is(make, load, watched):
+    """A controller that always asks for the same does not disturb the integrator, which keeps its numerical damping.
+
+    Newton's method leaves 1e-14 of the body's size in a step; errors of velocity add that up to some 5e-11 of it in 100 steps,
+    1e-7 of a motion by a thousandth of the size.
+    """
+    steps = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9, newton=lm.Newton(tolerance=1e-12))
+    plain = lm.simulate(make(), 0.1, steps)
+    pilot = lm.Controller("pilot", ("energy.kinetic",), (load,), lm.FunctionLaw(lambda t, y: 1.0), 2e-3)
+    looped = lm.simulate(system_of(*make().declarations, pilot), 0.1, steps)
+    once = np.searchsorted(looped.at, plain.at - 1e-9)
+    found, expected = looped[watched].values[once], plain[watched].values
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 * np.abs(expected - expected[0]).max())
+
+
+@pytest.mark.parametrize("rho_inf", [0.9, 0.6])
+def test_a_turning_plate_with_stiff_damping_is_steered_without_rejected_steps(rho_inf):
+    """Its damping brakes what stretches it a hundred times more than critically: any blow at the samples would grow."""
+    foam = lm.Laminate(lm.Isotropic(E=1.93e9, nu=0.3, rho=36.8), thickness=10.3e-3)
+    ground, body = lm.Ground(), lm.RigidBody("hub", mass=400.0, inertia=(200.0, 200.0, 200.0))
+    panel = lm.Plate("panel", (7.5, 0.5), (4, 1), foam, position=(0, -0.25, 0), damping=1e-2)
+    bearing = lm.RevoluteJoint("bearing", ground.origin, body.origin, axis=(0, 1, 0))
+    wheel = lm.PointMoment("wheel", body.origin, (0, 1.0, 0))
+    root = lm.FixedJoint("root", body.origin, panel.edge("x-"), kind="sliding")
+    law = lm.FunctionLaw(lambda t, y: 40.0 * (0.1 * min(t / 5.0, 1.0) - y[0]))
+    pilot = lm.Controller("pilot", ("bearing.rate",), ("wheel",), law, 0.2)
+    system = system_of(ground, body, panel, bearing, root, wheel, pilot)
+    run = lm.simulate(system, 30.0, lm.GeneralizedAlpha(dt=0.1, rho_inf=rho_inf, newton=lm.Newton(tolerance=1e-8)))
+    assert run.statistics.rejected == 0
+    assert run.statistics.steps == 300
 
 
 @pytest.mark.parametrize(

@@ -48,11 +48,12 @@ class Stepper(Memory, ABC):
     """An integrator at work on one set of equations.
 
     1. ``restart`` forgets the past: the point given has consistent accelerations and multipliers.
-    2. ``step`` tries to go from the last accepted point to t + dt; it changes nothing but what ``accept`` needs, so that a
+    2. ``jump`` goes on from the last point after its accelerations, rates of fields and multipliers have jumped.
+    3. ``step`` tries to go from the last accepted point to t + dt; it changes nothing but what ``accept`` needs, so that a
        rejected step may be tried again with another dt.
-    3. ``accept`` makes the last converged step final.
-    4. ``between`` interpolates within the last accepted step.
-    5. What it remembers (:class:`lamella.memory.Memory`) and the state of the model are all that the next step depends on, once
+    4. ``accept`` makes the last converged step final.
+    5. ``between`` interpolates within the last accepted step.
+    6. What it remembers (:class:`lamella.memory.Memory`) and the state of the model are all that the next step depends on, once
        ``forget`` has dropped what only saves time, a factorisation.
     """
 
@@ -61,6 +62,15 @@ class Stepper(Memory, ABC):
     @abstractmethod
     def restart(self, point: Point) -> None:
         """Start from a consistent point."""
+
+    def jump(self, point: Point) -> bool:
+        """Go on from the last point with what an input has added to its accelerations, rates of fields and multipliers.
+
+        Returns:
+            Whether this was a restart, the only way for a method that goes by past points.
+        """
+        self.restart(point)
+        return True
 
     def first_step(self, dt: float) -> float:
         """The step to begin with after a restart [s], where dt is the one meant for the long run."""

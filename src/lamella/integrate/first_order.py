@@ -32,6 +32,10 @@ class FirstOrderRule(Memory):
         """Start from a consistent point: the algorithmic rate is the true one."""
         self.s, self._change = rate.copy(), np.zeros_like(rate)
 
+    def jump(self, change: Floats) -> None:
+        """Go on after the true rate has jumped."""
+        self.s = self.s + change
+
     def weight(self, dt: float) -> float:
         """How much the new rate follows the new value [1/s]."""
         return self.alpha_m / (self.alpha_f * self.gamma * dt)

@@ -38,16 +38,18 @@ class Sampling:
             (self._start + sampler.period * (self._count(sampler, t) + 1) for sampler, _ in self._samplers), default=np.inf
         )
 
-    def act(self, t: float, state: State) -> bool:
-        """Let those whose time it is act on a state; False when there are none."""
-        due = [
-            item
-            for item in self._samplers
-            if abs(t - self._start - item[0].period * self._count(item[0], t)) < CLOSE * item[0].period
-        ]
-        for sampler, measured in due:
-            sampler.sample(t, np.array([float(np.atleast_1d(signal.evaluate(state))[k]) for signal, k in measured]))
-        return bool(due)
+    def due(self, t: float) -> bool:
+        """Whether it is the time of one."""
+        return any(self._is_due(sampler, t) for sampler, _ in self._samplers)
+
+    def act(self, t: float, state: State) -> None:
+        """Let those whose time it is act on a state."""
+        for sampler, measured in self._samplers:
+            if self._is_due(sampler, t):
+                sampler.sample(t, np.array([float(np.atleast_1d(signal.evaluate(state))[k]) for signal, k in measured]))
+
+    def _is_due(self, sampler: Sampler, t: float) -> bool:
+        return abs(t - self._start - sampler.period * self._count(sampler, t)) < CLOSE * sampler.period
 
     def _count(self, sampler: Sampler, t: float) -> int:
         return floor((t - self._start) / sampler.period + CLOSE)

@@ -33,7 +33,7 @@ class Controller(Declaration):
 
     A load so driven is a force, moment, pressure or heat flux of the system, of which each unit of the output gives the declared
     size once (zero-order hold); its own profile multiplies it. The integrator begins a new step at each sample, with
-    accelerations solved for anew. In statics and linear models the loads are off: those are of the open loop.
+    accelerations that have jumped with the loads. In statics and linear models the loads are off: those are of the open loop.
 
     Args:
         name: unique name; the result holds ``<name>.output``, and ``<name>.state`` where the law has one. At a sample time both

@@ -159,6 +159,30 @@ def solve_rates(equations: Equations, point: Point, linear: LinearSolver) -> Non
     point.udd[:n], point.ud[n:] = rates[:n], point.ud[n:] + rates[n:]
 
 
+def balance(equations: Equations, point: Point) -> tuple[Floats, Floats]:
+    """r and gamma at a point: what :func:`with_jump` compares."""
+    return equations.residual(point)[0], equations.acceleration_rest(point)
+
+
+def with_jump(equations: Equations, point: Point, before: tuple[Floats, Floats], linear: LinearSolver) -> Point:
+    """The point behind a jump of inputs, of which ``before`` is the balance ahead of it.
+
+        M da + Phi_q^T dlam = -(r+ - r-),   Phi_q da = -(gamma+ - gamma-)
+
+    Only the jump is solved for. A step leaves velocities beside the constraints by its error; accelerations of projected ones, as
+    :func:`solve_rates` has them, would hold what stiff damping makes of that error: a blow at each sample, which grows from one
+    to the next.
+    """
+    _factorise(equations, point, linear, MASS_ONLY)
+    (r, rest), (r_before, rest_before) = balance(equations, point), before
+    rates, lam = linear.solve(r_before - r, rest_before - rest)
+    found, n = point.copy(), equations.n_motion
+    found.udd[:n] += rates[:n]
+    found.ud[n:] += rates[n:]
+    found.lam += lam
+    return found
+
+
 def _factorise(equations: Equations, point: Point, linear: LinearSolver, metric: Weights) -> None:
     _, _, k, j = equations.linearise(point, metric)
     try:

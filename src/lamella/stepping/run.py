@@ -44,7 +44,7 @@ class Stepping:
     """A motion with inputs that are held and outputs that are asked for between its steps.
 
     A communication step of :meth:`advance` takes as many steps of the integrator as it needs. An input that is set acts from the
-    present time on and is held until it is set again; where it jumps, velocities go on and accelerations are solved for anew, and
+    present time on and is held until it is set again; where it jumps, velocities go on and accelerations jump with it, and
     otherwise the integrator goes on as in :func:`~lamella.motion.simulate`. Each communication step begins with a new
     factorisation, so that what comes next depends on the saved state alone, to the bit.
 
@@ -220,8 +220,11 @@ class Stepping:
                 return failure
             if failure is not None:
                 raise ConvergenceError(f"the motion {failure}", failure)
-            if not march.control() and stop == jump:
-                self._restart()
+            if stop == jump:
+                self._equations.forget()
+                march.restart()
+                march.recorder.sample(march.t, march.state)
+            march.control()
         return Outcome(Cause.COMPLETED, march.t, t, events=tuple(march.watch.happened))
 
     def save(self) -> bytes:
@@ -280,16 +283,14 @@ class Stepping:
     def _take(self) -> None:
         """Let inputs that were set act."""
         changed = [item for name, item in self._inputs.items() if item.held.now != self._wanted[name]]
-        for item in changed:
-            item.held.hold(self.t, self._wanted[item.name])
-        if changed:
-            self._restart()
 
-    def _restart(self) -> None:
-        """Solve for accelerations behind a jump."""
-        self._equations.forget()
-        self._march.restart()
-        self._march.recorder.sample(self.t, self._march.state)
+        def hold() -> None:
+            for item in changed:
+                item.held.hold(self.t, self._wanted[item.name])
+            self._equations.forget()
+
+        if changed:
+            self._march.jump(hold)
 
     def _fingerprint(self) -> str:
         """What a saved state must have in common with the run that takes it."""

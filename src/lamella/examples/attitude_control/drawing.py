@@ -75,6 +75,7 @@ def show_all(study: Study, runs: Mapping[str, Result]) -> None:
         at=[t for t in MOMENTS if t <= first.at[-1]],
         field="temperature_top",
         title="True to scale, coloured by the temperature of the top side",
+        label="Temperature of the top, above the start [K]",
     )
     study.captions[shape] = "The satellite before sunrise, in the sun, during the slew and after it."
     study.files.append(shape)

@@ -109,7 +109,7 @@ def above_figure(runs: Runs) -> Figure:
         panels = figure.subplots(1, 2, sharey=True)
         for axes, run, name in zip(panels, (runs.open, runs.held), ("without controller", "with controller"), strict=True):
             _from_above(axes, run, f"{name}, {run.frame_at[-1]:.1f} s")
-        panels[0].set_ylabel("Z [m]")
+        panels[0].set_ylabel(f"Z [m], sideways motion x {FACTOR:g}")
     return figure
 
 
