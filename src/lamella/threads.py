@@ -20,8 +20,8 @@ T = TypeVar("T")
 
 VARIABLE = "LAMELLA_THREADS"
 """Environment variable with the number of threads."""
-MOST = 2
-"""Threads that are used unless another number is asked for; what more of them bring has not been measured."""
+DEFAULT = 1
+"""Threads that are used unless another number is asked for: on cores that have other work a second one may cost time."""
 WORTHWHILE = 8e-4
 """Seconds of work from which it is cut: to hand it out and to wait for it takes some 0.1 ms, more on a busy machine."""
 SHORTEST = 2e-4
@@ -39,14 +39,14 @@ def cores() -> int:
 
 
 def number() -> int:
-    """Number of threads: that of :func:`use`, else of the environment, else one for each core, two at most.
+    """Number of threads: that of :func:`use`, else of the environment, else one.
 
     Raises:
         ModelError: the environment asks for what is no number of threads.
     """
     if _chosen is None:
         text = os.environ.get(VARIABLE, "")
-        use(_read(text) if text else min(cores(), MOST))
+        use(_read(text) if text else DEFAULT)
     assert _chosen is not None
     return _chosen
 

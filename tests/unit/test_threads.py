@@ -226,7 +226,7 @@ def test_a_wrong_number_in_the_environment(text: str, monkeypatch: pytest.Monkey
         threads.number()
 
 
-def test_the_number_is_the_users_else_the_environments_else_that_of_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_number_is_the_users_else_the_environments_else_one(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LAMELLA_THREADS", "5")
     threads.use(None)
     assert threads.number() == 5
@@ -234,7 +234,7 @@ def test_the_number_is_the_users_else_the_environments_else_that_of_cores(monkey
     assert threads.number() == 3
     monkeypatch.delenv("LAMELLA_THREADS")
     threads.use(None)
-    assert threads.number() == min(threads.cores(), 2)
+    assert threads.number() == 1
     with pytest.raises(ModelError, match="threads: 0 is not accepted"):
         threads.use(0)
 

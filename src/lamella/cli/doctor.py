@@ -120,7 +120,7 @@ def look_at_threads() -> Iterator[Finding]:
     """How many threads a run takes."""
     from lamella import threads
 
-    asked = f"as {threads.VARIABLE} says" if os.environ.get(threads.VARIABLE) else "chosen by the cores"
+    asked = f"as {threads.VARIABLE} says" if os.environ.get(threads.VARIABLE) else f"more by {threads.VARIABLE} or --threads"
     yield Finding("threads", "ok", f"{threads.number()} for large models, {asked}; {threads.cores()} cores may be used")
 
 

@@ -36,7 +36,7 @@ Settings = Annotated[
     ),
 ]
 Threads = Annotated[
-    int | None, typer.Option("--threads", min=1, help="Threads of the computation, for large models; two when left out.")
+    int | None, typer.Option("--threads", min=1, help="Threads of the computation, for large models; one when left out.")
 ]
 OutFolder = Annotated[Path | None, typer.Option("--out", "-o", help="Folder of the results; results/NAME when left out.")]
 

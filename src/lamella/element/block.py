@@ -103,9 +103,8 @@ class ElementBlock(ForceBlock):
             seconds: what the kernel takes for one element.
             call: calls it for some of the blocks.
         """
-        ranges = threads.cut(self.n_block, WIDTH * seconds)
-        if len(ranges) == 1:
-            call(self._all)
+        if self.n_block * WIDTH * seconds < threads.WORTHWHILE or len(ranges := threads.cut(self.n_block, WIDTH * seconds)) == 1:
+            call(self._all)  # small models are not asked more
         else:
             threads.run([partial(call, Range(*ends, self.n_block)) for ends in ranges])
 

@@ -71,11 +71,11 @@ def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b
             i += 4
 
 
-@shared
-def subtract_rows(
+@inlined
+def _subtract_rows(
     c: Floats, c0: int, c_len: int, first: int, end: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int
 ) -> None:
-    """:func:`subtract` for the rows from ``first``, a multiple of 3 WIDTH, to ``end``, another one or the last; B is at b[b0]."""
+    """See :func:`subtract_rows`."""
     row = first
     while row + 3 * WIDTH <= end:
         for column in range(0, min(columns, row + 3 * WIDTH), 4):
@@ -87,13 +87,21 @@ def subtract_rows(
         row += WIDTH
 
 
+@shared
+def subtract_rows(
+    c: Floats, c0: int, c_len: int, first: int, end: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int
+) -> None:
+    """:func:`subtract` for the rows from ``first``, a multiple of 3 WIDTH, to ``end``, another one or the last; B is at b[b0]."""
+    _subtract_rows(c, c0, c_len, first, end, columns, a, a0, a_len, b, b0, n)
+
+
 @kernel
 def subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
     """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
 
     Rows are a multiple of WIDTH, columns of 4.
     """
-    subtract_rows(c, c0, c_len, 0, rows, columns, a, a0, a_len, b, 0, n)
+    _subtract_rows(c, c0, c_len, 0, rows, columns, a, a0, a_len, b, 0, n)
 
 
 @kernel
@@ -146,8 +154,10 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
     return -1
 
 
-@shared
-def factorise_block(a: Floats, a0: int, a_len: int, p: int, first: int, limits: Floats, signs: Floats, s0: int, b: Floats) -> int:
+@inlined
+def _factorise_block(
+    a: Floats, a0: int, a_len: int, p: int, first: int, limits: Floats, signs: Floats, s0: int, b: Floats
+) -> int:
     """Factorise ``BLOCK`` columns of a panel from ``first`` on and pack them for what is right of it; -1, or the failed pivot."""
     last = min(first + BLOCK, p)
     left, sign = a0 + first * a_len, s0 + first
@@ -163,13 +173,19 @@ def factorise_block(a: Floats, a0: int, a_len: int, p: int, first: int, limits: 
     return -1
 
 
+@shared
+def factorise_block(a: Floats, a0: int, a_len: int, p: int, first: int, limits: Floats, signs: Floats, s0: int, b: Floats) -> int:
+    """Factorise ``BLOCK`` columns of a panel from ``first`` on and pack them for what is right of it; -1, or the failed pivot."""
+    return _factorise_block(a, a0, a_len, p, first, limits, signs, s0, b)
+
+
 @kernel
 def _factorise_front(
     a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, s0: int, b: Floats
 ) -> int:
     """Factorise a panel and subtract it from its update, ``BLOCK`` columns at a time; -1, or the pivot that failed."""
     for first in range(0, p, BLOCK):
-        failed = factorise_block(a, a0, a_len, p, first, limits, signs, s0, b)
+        failed = _factorise_block(a, a0, a_len, p, first, limits, signs, s0, b)
         if failed >= 0:
             return failed
         last = min(first + BLOCK, p)
@@ -229,7 +245,8 @@ def assemble(
     p, a_len, a0, u_len, u0 = fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
     clear(a, a0, a_len * p)
     for i in range(starts[f], starts[f + 1]):
-        a[slots[i]] = k[entries[i]] if entries[i] >= 0 else 1.0
+        entry = entries[i]
+        a[slots[i]] = number_at(k, entry) if entry >= 0 else 1.0
     clear(u, u0, u_len * u_len)
     child = fronts[f, 9]
     while child >= 0:

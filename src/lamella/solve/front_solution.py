@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lamella._jit import kernel, shared
+from lamella._jit import inlined, kernel, shared
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 
@@ -70,8 +70,8 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
         y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
 
 
-@shared
-def forward(order: Ints, fronts: Ints, runs: Ints, a: Floats, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
+@inlined
+def _forward_fronts(order: Ints, fronts: Ints, runs: Ints, a: Floats, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
     """x <- S L^-1 x for the pivots of some fronts, children before parents; arguments as for :func:`solve`.
 
     What a front adds to rows above it is kept, so that fronts of which none is above the other can be done at the same time.
@@ -97,7 +97,13 @@ def forward(order: Ints, fronts: Ints, runs: Ints, a: Floats, signs: Floats, x: 
 
 
 @shared
-def backward(order: Ints, fronts: Ints, rows: Ints, c: Floats, x: Floats, y: Floats) -> None:
+def forward(order: Ints, fronts: Ints, runs: Ints, a: Floats, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
+    """x <- S L^-1 x for the pivots of some fronts, children before parents; arguments as for :func:`solve`."""
+    _forward_fronts(order, fronts, runs, a, signs, x, rest, y)
+
+
+@inlined
+def _backward_fronts(order: Ints, fronts: Ints, rows: Ints, c: Floats, x: Floats, y: Floats) -> None:
     """x <- U^-1 x for the pivots of some fronts, parents before children, the last in ``order`` first; see :func:`solve`."""
     for k in range(len(order) - 1, -1, -1):
         f = order[k]
@@ -111,6 +117,20 @@ def backward(order: Ints, fronts: Ints, rows: Ints, c: Floats, x: Floats, y: Flo
         _backward(c, a0, a_len, p, y)
         for i in range(p):
             x[first + i] = y[i]
+
+
+@shared
+def backward(order: Ints, fronts: Ints, rows: Ints, c: Floats, x: Floats, y: Floats) -> None:
+    """x <- U^-1 x for the pivots of some fronts, parents before children, the last in ``order`` first; see :func:`solve`."""
+    _backward_fronts(order, fronts, rows, c, x, y)
+
+
+@inlined
+def _solve(
+    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Floats, c: Floats, signs: Floats, x: Floats, rest: Floats, y: Floats
+) -> None:
+    _forward_fronts(order, fronts, runs, a, signs, x, rest, y)
+    _backward_fronts(order, fronts, rows, c, x, y)
 
 
 @kernel
@@ -130,8 +150,7 @@ def solve(
         rest: workspace, as long as ``rows``.
         y: workspace of the longest panel column.
     """
-    forward(order, fronts, runs, a, signs, x, rest, y)
-    backward(order, fronts, rows, c, x, y)
+    _solve(order, fronts, rows, runs, a, c, signs, x, rest, y)
 
 
 @kernel
@@ -155,6 +174,9 @@ def solve_coordinates(
     x: Floats, rest: Floats, y: Floats, out: Floats,
 ) -> None:  # fmt: skip
     """out <- (L S L^T)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""
-    spread_positions(r, position, x)
-    solve(order, fronts, rows, runs, a, a, signs, x, rest, y)
-    gather_coordinates(x, position, out)
+    x[:] = 0.0
+    for i in range(len(r)):
+        x[position[i]] = r[i]
+    _solve(order, fronts, rows, runs, a, a, signs, x, rest, y)
+    for i in range(len(out)):
+        out[i] = x[position[i]]

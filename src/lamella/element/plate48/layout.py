@@ -20,6 +20,8 @@ KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
 
 def seen(arguments: KernelArguments, blocks: Range) -> KernelArguments:
     """The arguments for some blocks of elements."""
+    if blocks.is_all:
+        return arguments
     index, scale, sections, table, n, cubed = arguments
     return blocks.of(index), blocks.of(scale), blocks.of(sections), table, n, cubed
 
