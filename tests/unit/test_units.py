@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
+from lamella import units
 from lamella.errors import LamellaError, UnitError
 from lamella.units import Length, NonNegative, Thickness, Unit, quantity, to_si
 
@@ -96,3 +98,15 @@ def test_types_convert_and_hold_their_limits() -> None:
 def test_types_tell_their_unit() -> None:
     assert Unit("m") in Length.__metadata__  # type: ignore[attr-defined]
     assert TypeAdapter(Length).json_schema()["unit"] == "m"
+
+
+@pytest.mark.parametrize("spoiled", [False, True])
+def test_the_cache_of_units_is_never_needed(spoiled: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(units, "user_cache_path", lambda name: tmp_path / name)
+    if spoiled:
+        units._registry.__wrapped__()
+        for path in tmp_path.rglob("*.pickle"):
+            path.write_bytes(b"cut of")
+    else:
+        (tmp_path / "lamella").write_text("a file where the folder should be")
+    assert units._registry.__wrapped__().Quantity("1.5 mm").to("m").magnitude == 1.5e-3
