@@ -12,8 +12,20 @@ from scipy.sparse import linalg
 from lamella.errors import ModelError
 from lamella.roles import Floats
 
+Complexes = NDArray[np.complex128]
 RIGID_MODES = 7
 """Modes computed beyond those asked for: the six of a rigid body and one elastic, which sets the scale."""
+
+RIGID_ROOT = 1e-3
+"""Roots below this share of a low elastic one are those of rigid motions, zero but for rounding."""
+CORRECTIONS = 8
+"""Corrections of a root at most; the number of right digits doubles with each."""
+ROUNDING = 1e-11
+"""Share of a root below which a correction is rounding."""
+CLOSE = 1e-4
+"""Share of a root within which another is a part of the same multiple one, where the method of Newton mixes shapes."""
+SAME = 1e-5
+"""Share of a root by which two may differ after their corrections that are one."""
 
 
 class ConstrainedInverse:
@@ -37,7 +49,7 @@ class ConstrainedInverse:
                 "modes: the constraints are redundant or some mass is missing; the shifted matrix is singular"
             ) from error
 
-    def __call__(self, y: Floats) -> Floats:
+    def __call__(self, y: Any) -> Any:
         return self._factor.solve(np.concatenate([np.ravel(y), np.zeros(self._n_lam)]))[: self._n]
 
 
@@ -81,11 +93,12 @@ def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
 
 def gyroscopic(
     K: sparse.csc_array, G: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+) -> tuple[Complexes, Complexes]:
     """The ``n`` roots of smallest size of (K + s G + s^2 M) phi = 0 with skew-symmetric G, of each conjugate pair the upper one.
 
     With w = s phi the equation is linear, s phi = w and s M w = -K phi - G w. The shape is turned in phase so that its real part
-    is largest. A small real shift keeps the matrix regular for bodies that can move freely.
+    is largest. A small real shift keeps the matrix regular for bodies that can move freely; what rounding of their large motions
+    leaves in the others is corrected by Newton's method.
 
     Returns:
         Roots s [1/s] by size, and shapes with phi^H M phi = 1, columns, shape (n_u, n).
@@ -109,12 +122,57 @@ def gyroscopic(
     count = min(2 * (n + RIGID_MODES), 2 * n_u - 2)
     start = operator(operator(np.random.default_rng(0).standard_normal(2 * n_u)))
     solution: Any = linalg.eigs(size, count, which="LM", v0=start)
-    found, vectors = np.asarray(solution[0], complex), np.asarray(solution[1], complex)
-    roots = (shift + 1.0 / found) * unit
+    inverted, vectors = np.asarray(solution[0], complex), np.asarray(solution[1], complex)
+    roots = (shift + 1.0 / inverted) * unit
     upper = np.flatnonzero(roots.imag > -1e-9 * np.abs(roots))
-    chosen = upper[np.argsort(np.abs(roots[upper]))][:n]
-    shapes = vectors[:n_u, chosen]
-    for k in range(shapes.shape[1]):
+    candidates = upper[np.argsort(np.abs(roots[upper]))]
+    found, shapes = _corrected(K, G, M, J, roots[candidates] / unit, vectors[:n_u, candidates], n)
+    for k in range(n):
         shapes[:, k] /= np.sqrt(float(np.real(shapes[:, k].conj() @ (M @ shapes[:, k])))) / unit
         shapes[:, k] *= np.exp(-0.5j * np.angle(np.sum(shapes[:, k] ** 2)))
-    return roots[chosen], scale @ shapes
+    return found * unit, scale @ shapes
+
+
+def _corrected(
+    K: sparse.csc_array,
+    G: sparse.csc_array,
+    M: sparse.csc_array,
+    J: sparse.csr_array,
+    roots: Complexes,
+    shapes: Complexes,
+    n: int,
+) -> tuple[Complexes, Complexes]:
+    """The first ``n`` of some roots and shapes after Newton's method on P(s) phi = 0, P = K + s G + s^2 M,
+
+        x = P(s)^-1 P'(s) phi,    s <- s - phi.phi / phi.x,    phi <- x / |x|
+
+    What rounding has made of one root twice comes together in it and is counted once. Multiple roots, as those of a body that
+    drifts, stay as they are.
+    """
+    kept: list[tuple[complex, Complexes]] = []
+    left: list[tuple[complex, Complexes]] = []
+    for root, shape in zip(roots, shapes.T, strict=True):
+        if len(kept) == n:
+            break
+        s, phi = complex(root), np.asarray(shape / np.linalg.norm(shape), complex)
+        together = np.count_nonzero(np.abs(roots - s) <= CLOSE * abs(s)) > 1
+        change = 0.0 if abs(s) < RIGID_ROOT or together else np.inf
+        for _ in range(CORRECTIONS):
+            if change <= ROUNDING * abs(s):
+                break
+            try:
+                x = ConstrainedInverse(sparse.csc_array(K + s * G + s**2 * M), J)(2.0 * s * (M @ phi) + G @ phi)
+            except ModelError:  # singular to the last digit: there is nothing to correct
+                change = 0.0
+                break
+            step = 1.0 / np.vdot(phi, x)
+            s, phi, change = s - complex(step), x / np.linalg.norm(x), float(abs(step))
+        again = any(
+            abs(s - t) <= SAME * abs(s) and abs(np.vdot(phi, psi)) > 1.0 - SAME for t, psi in kept if abs(t) >= RIGID_ROOT
+        )
+        if change <= SAME * abs(s) and not again:
+            kept.append((s, phi))
+        else:
+            left.append((complex(root), shape))
+    kept = sorted([*kept, *left][:n], key=lambda pair: abs(pair[0]))
+    return np.array([s for s, _ in kept]), np.stack([phi for _, phi in kept], axis=1)
