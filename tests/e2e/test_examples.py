@@ -6,6 +6,7 @@ import importlib
 import json
 import math
 import subprocess
+from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray
 
 import lamella as lm
 from lamella.errors import DeclarationError
@@ -325,8 +325,9 @@ def test_a_study_cut_short_says_what_is_missing() -> None:
     study = importlib.import_module("lamella.examples.corrugator.study")
     for speed in (0.0, 12.0):
         at = np.linspace(0.0, 1.0, 5)
-        values = xarray.DataArray(speed * at[:, None] * [0, 0, 1], dims=("time", "component"), coords={"component": list("xyz")})
-        short = SimpleNamespace(at=at, history=lambda name, values=values: values)
+        values = speed * at[:, None] * [0, 0, 1]
+        labelled = defaultdict(lambda: SimpleNamespace(labels=("x", "y", "z")))
+        short = SimpleNamespace(at=at, signals=labelled, samples=lambda name, values=values: values)
         with pytest.raises(
             DeclarationError, match=r"study corrugator: a run ends at 1 s, before the belt .* accepted is a later"
         ):
