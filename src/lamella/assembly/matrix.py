@@ -183,7 +183,9 @@ def _bounds(n_entries: int, n_values: int) -> list[int]:
 
 def _places(rows: Ints, cols: Ints, n: int) -> tuple[Ints, Ints]:
     """The places row n + col that occur, ascending, and which of them each entry has; by flags, for some rows at a time."""
-    height = max(1, min(n, max(32, FLAGS // max(n, 1))))
+    if not n:  # supports hold every coordinate
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    height = min(n, max(32, FLAGS // n))
     part = (rows // height).astype(np.uint16 if n <= height * np.iinfo(np.uint16).max else np.int64)
     order = np.argsort(part, kind="stable")  # of 16 bits it counts
     bounds = np.searchsorted(part[order], np.arange(-(-n // height) + 1))

@@ -83,9 +83,9 @@ def run(runs: int) -> Iterator[Row]:
             threads.use(count)
             works.append(parts(MESH))
         for name in works[0]:
-            yield from rows(f"{MESH} x {MESH}: {name}", compared([work[name] for work in works], 10 * runs), "ms")
+            yield from rows(f"{MESH} x {MESH}: {name}", compared([work[name] for work in works], 10 * runs), "ms elapsed")
         for mesh in PLATES:
-            yield from rows(f"{mesh} x {mesh}: step", _step(mesh, runs), "ms a step")
+            yield from rows(f"{mesh} x {mesh}: step", _step(mesh, runs), "ms a step, elapsed")
     finally:
         threads.use(before)
 
