@@ -46,14 +46,22 @@ def open_folder(folder: Path, overwrite: bool) -> Path:
 
 
 def holds_results(folder: Path) -> bool:
-    """Whether a run has left a result file or a model in the folder or in one below it."""
-    names = (RESULT, MODEL, "report.html")
-    return folder.is_dir() and any((place / name).exists() for place in (folder, *folder.glob("*/")) for name in names)
+    """Whether a run has left something in the folder or in one of its variants or analyses below it."""
+    return any(_held(place) for place in _places(folder))
+
+
+def _places(folder: Path) -> tuple[Path, ...]:
+    """A folder, those of a study's variants or of a run's analyses, and those of the analyses of variants."""
+    return folder, *folder.glob("*/"), *folder.glob("*/*/")
+
+
+def _held(place: Path) -> bool:
+    return any((place / name).exists() for name in (RESULT, MODES, MODEL, "report.html"))
 
 
 def _clear(folder: Path) -> None:
-    """Remove what earlier runs wrote, in the folder and in its subfolders that hold a run."""
-    for place in (folder, *(inner for inner in folder.glob("*/") if holds_results(inner))):
+    """Remove what earlier runs wrote, in the folder and in those below it that hold a run."""
+    for place in (folder, *(inner for inner in _places(folder)[1:] if _held(inner))):
         for pattern in WRITTEN:
             for path in place.glob(pattern):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
