@@ -15,6 +15,7 @@ LAYERS = [
     {
         "errors",
         "memory",
+        "remembered",
         "units",
         "declaration",
         "roles",

@@ -6,29 +6,36 @@ import functools
 from collections.abc import Callable
 from dataclasses import Field as DataField
 from dataclasses import fields
+from inspect import Parameter, Signature
 from typing import Any, TypeVar, dataclass_transform
 
 from pydantic import ConfigDict, Field, ValidationError
-from pydantic.dataclasses import dataclass
+from pydantic.dataclasses import dataclass, rebuild_dataclass
 from pydantic_core import ErrorDetails
 
 from lamella.errors import DeclarationError, LamellaError
 
 C = TypeVar("C")
-CONFIG = ConfigDict(extra="forbid", arbitrary_types_allowed=True, validate_default=False)
+CONFIG = ConfigDict(extra="forbid", arbitrary_types_allowed=True, validate_default=False, defer_build=True)
+"""Validators are built when the first one of a kind is declared: a model needs a fifth of all kinds."""
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(Field,))
 def declaration(cls: type[C]) -> type[C]:
     """Make ``cls`` a frozen, validated dataclass that raises :class:`DeclarationError` for impossible values."""
     made = dataclass(frozen=True, config=CONFIG)(cls)
-    made.__init__ = _clear_errors(made.__init__, cls.__name__)  # type: ignore[method-assign]
+    made.__init__ = _clear_errors(made)  # type: ignore[method-assign]
     return made  # type: ignore[return-value]
 
 
-def _clear_errors(init: Callable[..., None], kind: str) -> Callable[..., None]:
+def _clear_errors(made: Any) -> Callable[..., None]:
+    kind, init = made.__name__, made.__init__
+
     @functools.wraps(init)
     def checked(self: Any, *args: Any, **kwargs: Any) -> None:
+        if not made.__pydantic_complete__:
+            rebuild_dataclass(made)
+            made.__init__ = checked  # the building has put its own in place
         names = [field.name for field in given_fields(type(self)) if not field.kw_only]
         if len(args) > len(names):
             raise DeclarationError(kind, f"{len(args)} arguments given", f"accepted are {', '.join(names)}")
@@ -41,7 +48,19 @@ def _clear_errors(init: Callable[..., None], kind: str) -> Callable[..., None]:
             problem, accepted = explain(error.errors()[0])
             raise DeclarationError(item, problem, accepted) from error
 
+    checked.__signature__ = _signature(made)  # type: ignore[attr-defined]
     return checked
+
+
+def _signature(made: Any) -> Signature:
+    """What a declaration is made of, for help and editors; pydantic knows it only once the validator is built."""
+    parameters = [Parameter("self", Parameter.POSITIONAL_OR_KEYWORD)]
+    for field in given_fields(made):
+        kind = Parameter.KEYWORD_ONLY if field.kw_only else Parameter.POSITIONAL_OR_KEYWORD
+        known = made.__pydantic_fields__[field.name]
+        default = Parameter.empty if known.is_required() else known.get_default(call_default_factory=True)
+        parameters.append(Parameter(field.name, kind, default=default, annotation=field.type))
+    return Signature(parameters, return_annotation=None)
 
 
 def given_fields(cls: type) -> list[DataField[Any]]:

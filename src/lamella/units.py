@@ -13,6 +13,7 @@ from platformdirs import user_cache_path
 from pydantic import BeforeValidator, Field
 
 from lamella.errors import UnitError
+from lamella.remembered import Remembered
 
 
 @dataclass(frozen=True)
@@ -59,9 +60,19 @@ def to_si(value: object, unit: str) -> float:
     return float(value)
 
 
+@cache
+def _remembered() -> Remembered:
+    return Remembered()
+
+
 @lru_cache(maxsize=4096)
 def _parse(text: str, unit: str, accepted: str) -> float:
-    import pint
+    known = _remembered().get(text, unit)
+    return _remembered().put(text, unit, _by_pint(text, unit, accepted)) if known is None else known
+
+
+def _by_pint(text: str, unit: str, accepted: str) -> float:
+    import pint  # late, as above
 
     try:
         quantity = _registry().Quantity(text)

@@ -16,7 +16,9 @@ def put(path: Path, text: str = "") -> Path:
     return path
 
 
-@pytest.mark.parametrize("place", ["run.h5", "variant/run.h5", "still/modes.h5", "variant/still/run.h5", "variant/modes/modes.h5"])
+@pytest.mark.parametrize(
+    "place", ["run.h5", "variant/run.h5", "still/modes.h5", "variant/still/run.h5", "variant/modes/modes.h5"]
+)
 def test_results_are_seen_and_replaced_only_when_asked(tmp_path: Path, place: str) -> None:
     """A study has variants, a run several analyses, and a study's variant both."""
     old = put(tmp_path / "out" / place)

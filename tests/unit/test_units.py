@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from lamella import units
 from lamella.errors import LamellaError, UnitError
+from lamella.remembered import Remembered
 from lamella.units import Length, NonNegative, Thickness, Unit, quantity, to_si
 
 
@@ -110,3 +111,38 @@ def test_the_cache_of_units_is_never_needed(spoiled: bool, tmp_path: Path, monke
     else:
         (tmp_path / "lamella").write_text("a file where the folder should be")
     assert units._registry.__wrapped__().Quantity("1.5 mm").to("m").magnitude == 1.5e-3
+
+
+def test_quantities_are_remembered_from_one_process_to_the_next(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "quantities.json"
+    first = Remembered(path)
+    assert first.get("1.5 mm", "m") is None
+    assert first.put("1.5 mm", "m", 1.5e-3) == 1.5e-3
+    first.put("1.5 mm", "km", 1.5e-6)
+    first.write()
+    later = Remembered(path)
+    assert (later.get("1.5 mm", "m"), later.get("1.5 mm", "km")) == (1.5e-3, 1.5e-6)
+    assert [file.name for file in path.parent.iterdir()] == ["quantities.json"]
+
+
+@pytest.mark.parametrize("spoiled", ["", "cut o", "[1.0]", '{"1 mm\\nm": "1e-3"}', "\x00"])
+def test_a_spoiled_memory_of_quantities_is_never_used(spoiled: str, tmp_path: Path) -> None:
+    path = tmp_path / "quantities.json"
+    path.write_text(spoiled)
+    known = Remembered(path)
+    assert known.get("1 mm", "m") is None
+    known.put("1 mm", "m", 1e-3)
+    known.write()
+    assert Remembered(path).get("1 mm", "m") == 1e-3
+
+
+def test_quantities_that_cannot_be_kept_are_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "folder").write_text("a file where the folder should be")
+    known = Remembered(tmp_path / "folder" / "quantities.json")
+    known.put("1 mm", "m", 1e-3)
+    known.write()
+    kept = Remembered(tmp_path / "quantities.json")
+    kept.put("1 mm", "m", 1e-3)
+    monkeypatch.setattr("os.replace", lambda *paths: (_ for _ in ()).throw(OSError("no space left on device")))
+    kept.write()
+    assert [file.name for file in tmp_path.iterdir()] == ["folder"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +12,9 @@ import typer
 from lamella.errors import LamellaError
 
 ERROR, INTERRUPTED = 2, 130
+BETWEEN_COLLECTIONS = 50_000
+"""Objects made before Python looks for garbage. A start makes some hundred thousand, which stay: at Python's own 700 to 2000 it
+looks through all of them several times, for a tenth of the start."""
 
 
 class Interrupted(Exception):  # noqa: N818  # it is no error
@@ -319,4 +323,5 @@ def _interrupted(text: str = "") -> int:
 
 def run() -> None:
     """Entry point of the command ``lamella``."""
+    gc.set_threshold(BETWEEN_COLLECTIONS)
     sys.exit(run_app())
