@@ -35,17 +35,37 @@ class QuadraticPlate:
         self.name, self.size, self.laminate, self.first = name, SIZE, laminate(**strengths), first
 
     def sample(self, q: Any, per_element: int = 4) -> PlateSample:
-        x, y = (np.linspace(0.0, length, n * per_element + 1) for length, n in zip(SIZE, (self.nx, self.ny), strict=True))
-        nodes = q[3 * self.first : 3 * self.first + 27].reshape(3, 3, 3)
-        bx, by = basis(x, SIZE[0]), basis(y, SIZE[1])
-        at = {(i, j): np.einsum("ay,bx,abc->yxc", by[j], bx[i], nodes) for i in range(3) for j in range(3 - i)}
+        return self.grid(per_element).sample(q)
+
+    def grid(self, per_element: int = 4) -> QuadraticGrid:
+        return QuadraticGrid(self, per_element)
+
+
+class QuadraticGrid:
+    """Points of a :class:`QuadraticPlate`."""
+
+    def __init__(self, plate: QuadraticPlate, per_element: int) -> None:
+        counts = zip(SIZE, (plate.nx, plate.ny), strict=True)
+        self.x, self.y = (np.linspace(0.0, length, n * per_element + 1) for length, n in counts)
+        self.laminate, self.mine = plate.laminate, slice(3 * plate.first, 3 * plate.first + 27)
+
+    def derivatives(self, q: Any) -> dict[tuple[int, int], Any]:
+        bx, by = basis(self.x, SIZE[0]), basis(self.y, SIZE[1])
+        nodes = q[self.mine].reshape(3, 3, 3)
+        return {(i, j): np.einsum("ay,bx,abc->yxc", by[j], bx[i], nodes) for i in range(3) for j in range(3 - i)}
+
+    def positions(self, q: Any) -> Any:
+        return self.derivatives(q)[0, 0]
+
+    def sample(self, q: Any) -> PlateSample:
+        at = self.derivatives(q)
         r_x, r_y = at[1, 0], at[0, 1]
         n = np.cross(r_x, r_y)
         n /= np.linalg.norm(n, axis=-1, keepdims=True)
         dot = lambda a, b: np.sum(a * b, axis=-1)  # noqa: E731
         eps = [0.5 * (dot(r_x, r_x) - 1), 0.5 * (dot(r_y, r_y) - 1), dot(r_x, r_y)]
         kap = [dot(at[2, 0], n), dot(at[0, 2], n), 2 * dot(at[1, 1], n)]
-        return PlateSample(self.laminate, x, y, at[0, 0], n, np.stack(eps + kap, axis=-1))
+        return PlateSample(self.laminate, self.x, self.y, at[0, 0], n, np.stack(eps + kap, axis=-1))
 
 
 def basis(s: Any, length: float) -> Any:

@@ -8,10 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
+from lamella.body.grid import Grid
 from lamella.body.mesh_checks import check_folds, check_loops
 from lamella.body.sample import PlateSample
 from lamella.element.base import ElementSpec
-from lamella.element.plate48.recovery import ShellRecovery
 from lamella.element.plate48.section import Curvature, Section
 from lamella.kinematics import PointRows
 from lamella.material.laminate import Laminate
@@ -67,6 +67,7 @@ class PlateMesh:
         self.temperature: TemperatureSource | None = None
         self.turns: Callable[[Floats], Floats] | None = None
         """Turns of the frames of a small-deformation model in a configuration (n_q,), shape (n_element, 3, 3) or (1, 3, 3)."""
+        self._grids: dict[int, Grid] = {}
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny
         self.loops = surface.loops
@@ -172,44 +173,13 @@ class PlateMesh:
         places = [(k + s) * length for k in range(count) for s in per_element]
         return [(fixed, s) if along else (s, fixed) for s in places], length
 
+    def grid(self, per_element: int = 4) -> Grid:
+        """A regular grid over the whole plate, with so many intervals along each side of an element; made once."""
+        if per_element not in self._grids:
+            xi, eta = (np.linspace(0.0, n, n * per_element + 1) for n in (self.nx, self.ny))
+            self._grids[per_element] = Grid(self, xi, eta)
+        return self._grids[per_element]
+
     def sample(self, q: Floats, per_element: int = 4) -> PlateSample:
-        """Positions, normals and strains on a structured grid in the configuration ``q`` (n_q,)."""
-        xi = np.linspace(0.0, self.nx, self.nx * per_element + 1)
-        eta = np.linspace(0.0, self.ny, self.ny * per_element + 1)
-        return self.sample_at(q, xi, eta)
-
-    def sample_at(self, q: Floats, xi: Floats, eta: Floats) -> PlateSample:
-        """The same at the points of a grid of one's own.
-
-        Args:
-            q: all coordinates, shape (n_q,).
-            xi: places along x, counted in elements from 0 to nx.
-            eta: places along y, counted in elements from 0 to ny.
-        """
-        i, j = np.minimum(xi.astype(int), self.nx - 1), np.minimum(eta.astype(int), self.ny - 1)
-        index = (j[:, None] * self.nx + i[None, :]).reshape(-1)
-        points_xi = np.broadcast_to(xi - i, (len(eta), len(xi))).reshape(-1)
-        points_eta = np.broadcast_to((eta - j)[:, None], (len(eta), len(xi))).reshape(-1)
-        recovery = ShellRecovery(
-            self.element, self.coords, self.scale, self.reference, self.section.direction, self.section.curvature
-        )
-        found = recovery.at(q, index, points_xi, points_eta, None if self.turns is None else self.turns(q))
-        strains = found.strains
-        if self.section.prestrain is not None:
-            strains = strains + np.concatenate([self.section.prestrain, np.zeros(3)])
-        shape = (len(eta), len(xi), -1)
-        heat: tuple[Floats, Floats] | tuple[()] = ()
-        if self.temperature is not None:
-            y, x = np.meshgrid(eta * self.ly, xi * self.lx, indexing="ij")
-            T_N, T_M = self.temperature.at(q, x.reshape(-1), y.reshape(-1))
-            heat = T_N.reshape(x.shape), T_M.reshape(x.shape)
-        return PlateSample(
-            self.laminate,
-            xi * self.lx,
-            eta * self.ly,
-            found.r.reshape(shape),
-            found.n.reshape(shape),
-            strains.reshape(shape),
-            *heat,
-            thickness_factors=1.0 if self.thickness_factors is None else self.thickness_factors[index].reshape(shape[:2]),
-        )
+        """Positions, normals and strains on a regular grid in the configuration ``q`` (n_q,)."""
+        return self.grid(per_element).sample(q)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamella.body.base import Marker
+from lamella.body.grid import Grid
 from lamella.body.ground import Ground
 from lamella.body.plate import Edge
 from lamella.body.quadrature import N_GAUSS, edge_quadrature
@@ -109,10 +110,10 @@ class EdgeTension(Declaration):
         end = np.array([0.0 if side[1] == "-" else float((mesh.nx, mesh.ny)[1 - along])])
         weights = edge_quadrature(mesh, side, build.initial)[1].reshape(-1)
         weights /= weights.sum()
-        grid = (places, end) if along == 0 else (end, places)
+        grid = Grid(mesh, *((places, end) if along == 0 else (end, places)))
 
         def mean(state: State) -> float:
-            return float(weights @ mesh.sample_at(state.q, *grid).section_forces()[..., along].reshape(-1))
+            return float(weights @ grid.sample(state.q).section_forces()[..., along].reshape(-1))
 
         build.signals.append(Signal(f"{self.name}.mean", "N/m", (), mean, f"membrane force along edge {self.on}, averaged"))
 

@@ -15,7 +15,8 @@ from lamella.material.recovery import Surface as Face
 from lamella.roles import Floats
 
 if TYPE_CHECKING:
-    from lamella.body.mesh import PlateSample, TemperatureSource
+    from lamella.body.mesh import TemperatureSource
+    from lamella.body.sample import PlateSample
     from lamella.result import Result
 
 VECTOR = ("x", "y", "z")
@@ -23,6 +24,18 @@ PLANE = ("xx", "yy", "xy")
 HEAT = {"temperature_top", "temperature_bottom", "T_N", "T_M"}
 """Fields of plates with a temperature field."""
 BOTH: tuple[Face, Face] = ("bottom", "top")
+
+
+class Grid(Protocol):
+    """Points on a compiled plate."""
+
+    def sample(self, q: Floats) -> PlateSample:
+        """Positions, normals and strains."""
+        ...
+
+    def positions(self, q: Floats) -> Floats:
+        """Positions alone, linear in q: those of rates are velocities."""
+        ...
 
 
 class Surface(Protocol):
@@ -33,8 +46,8 @@ class Surface(Protocol):
     loops: tuple[bool, bool]
     temperature: TemperatureSource | None
 
-    def sample(self, q: Floats, per_element: int = 4) -> PlateSample:
-        """Positions, normals and strains on a structured grid."""
+    def grid(self, per_element: int = 4) -> Grid:
+        """A regular grid of points."""
         ...
 
 
@@ -43,15 +56,15 @@ class Snapshot:
 
     Args:
         plate: the compiled plate.
+        grid: points on it.
         q: coordinates of the frame, shape (n_q,).
         v: their rates, shape (n_q,); NaN where the frames keep none.
-        reference: the grid in the reference configuration.
-        per_element: grid intervals along each side of an element.
+        reference: the points in the reference configuration.
     """
 
-    def __init__(self, plate: Surface, q: Floats, v: Floats, reference: PlateSample, per_element: int) -> None:
-        self.plate, self.reference, self._q, self._v, self._per_element = plate, reference, q, v, per_element
-        self.now = plate.sample(q, per_element)
+    def __init__(self, plate: Surface, grid: Grid, q: Floats, v: Floats, reference: PlateSample) -> None:
+        self.plate, self.reference, self._grid, self._v = plate, reference, grid, v
+        self.now = grid.sample(q)
 
     @property
     def displacement(self) -> Floats:
@@ -60,10 +73,8 @@ class Snapshot:
 
     @property
     def velocity(self) -> Floats:
-        """Velocity [m/s], shape (my, mx, 3); positions are linear in q, so it is the difference of two positions."""
-        if not np.isfinite(self._v).all():
-            return np.full(self.now.r.shape, np.nan)
-        return self.plate.sample(self._q + self._v, self._per_element).r - self.now.r
+        """Velocity [m/s], shape (my, mx, 3)."""
+        return self._grid.positions(self._v)
 
 
 class SurfaceSampler:
@@ -77,15 +88,15 @@ class SurfaceSampler:
     def __init__(self, result: Result, per_element: int) -> None:
         from lamella.io.results import frame_velocities
 
-        self._result, self._per_element = result, per_element
-        self._velocities = frame_velocities(result)
-        self._references = [plate.sample(result.model.q0, per_element) for plate in result.model.plates]
+        self._result, self._velocities = result, frame_velocities(result)
+        self._grids = [plate.grid(per_element) for plate in result.model.plates]
+        self._references = [grid.sample(result.model.q0) for grid in self._grids]
 
     def at(self, frame: int) -> list[Snapshot]:
         """The plates at one frame."""
         q, v = self._result.frame_q[frame], self._velocities[frame]
-        plates = zip(self._result.model.plates, self._references, strict=True)
-        return [Snapshot(plate, q, v, reference, self._per_element) for plate, reference in plates]
+        plates = zip(self._result.model.plates, self._grids, self._references, strict=True)
+        return [Snapshot(plate, grid, q, v, reference) for plate, grid, reference in plates]
 
 
 @dataclass(frozen=True)

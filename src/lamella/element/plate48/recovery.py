@@ -55,7 +55,52 @@ class ShellRecovery:
         self._rest, self._direction = np.asarray(reference, float) * self._scale, direction
         self._cubed: Cubed = True if curvature == "cubed_normal" else None
 
+    def points(self, element: Ints, xi: Floats, eta: Floats) -> RecoveryPoints:
+        """Points to evaluate in many configurations.
+
+        Args:
+            element: number of the element of each point, shape (n,).
+            xi: first element coordinate in [0, 1], shape (n,).
+            eta: second element coordinate in [0, 1], shape (n,).
+        """
+        element = np.asarray(element)
+        shape = self._element.shape(xi, eta).transpose(1, 0, 2)
+        return RecoveryPoints(
+            element, shape, self._coords[element], self._scale[element], self._rest[element], self._direction, self._cubed
+        )
+
     def at(self, q: Floats, element: Ints, xi: Floats, eta: Floats, turns: Floats | None = None) -> ShellPoints:
+        """Position, unit normal and strains at points, as :meth:`points` takes them, in one configuration."""
+        return self.points(element, xi, eta).at(q, turns)
+
+
+class RecoveryPoints:
+    """Points of a shell, with their shape functions and reference surface; made by :meth:`ShellRecovery.points`.
+
+    Args:
+        element: number of the element of each point, shape (n,).
+        shape: shape functions and their derivatives, shape (n, 6, n_shape).
+        coords: global coordinates of the elements, shape (n, n_coordinate).
+        scale: factors from global to element coordinates, likewise.
+        rest: element coordinates of the reference, likewise.
+        direction: the material direction.
+        cubed: the definition of kap.
+    """
+
+    def __init__(
+        self, element: Ints, shape: Floats, coords: Ints, scale: Floats, rest: Floats, direction: Floats | None, cubed: Cubed
+    ) -> None:
+        self._element, self._shape, self._coords, self._scale = element, shape, coords, scale
+        self._cubed: Cubed = cubed
+        self._rest = self._derivatives(rest)
+        reference = reference_surface("strain recovery", self._rest, direction)
+        self._constants, self._to_local = tuple(reference.constants(cubed).T), reference.strain_transform(cubed)
+
+    def positions(self, q: Floats) -> Floats:
+        """Positions [m], shape (n, 3)."""
+        return self._derivatives(q[self._coords] * self._scale, slice(1))[0]
+
+    def at(self, q: Floats, turns: Floats | None = None) -> ShellPoints:
         """Position, unit normal and strains.
 
         The strains are the exact ones s(g), or those of a small-deformation model, which are linear in the frame of the element:
@@ -63,31 +108,22 @@ class ShellRecovery:
 
         Args:
             q: global coordinates, shape (n_q,).
-            element: number of the element of each point, shape (n,).
-            xi: first element coordinate in [0, 1], shape (n,).
-            eta: second element coordinate in [0, 1], shape (n,).
             turns: Q of each element or one for all, shape (n_element, 3, 3) or (1, 3, 3); None for exact strains.
         """
-        element = np.asarray(element)
-        shape = self._element.shape(xi, eta)
-        now = self._derivatives(shape, q[self._coords[element]] * self._scale[element])
-        rest = self._derivatives(shape, self._rest[element])
-        reference = reference_surface("strain recovery", rest, self._direction)
-        constants, g = tuple(reference.constants(self._cubed).T), _vectors(now)
+        now = self._derivatives(q[self._coords] * self._scale)
+        g = _vectors(now)
         n0 = surface_frame(g[0], g[1])[0]
         if turns is None:
-            found = strains(g, surface_frame(g[0], g[1], self._cubed)[0], constants)
+            found = strains(g, surface_frame(g[0], g[1], self._cubed)[0], self._constants)
         else:
-            own = np.einsum("dnc,nce->dne", now, np.broadcast_to(turns, (len(self._coords), 3, 3))[element])
-            found = extrapolated_strains(_vectors(own), _vectors(rest), constants, self._cubed)
-        covariant = np.stack(found, axis=-1)
-        local = np.einsum("nij,nj->ni", reference.strain_transform(self._cubed), covariant)
+            own = np.einsum("dnc,nce->dne", now, turns[self._element % len(turns)])
+            found = extrapolated_strains(_vectors(own), _vectors(self._rest), self._constants, self._cubed)
+        local = np.einsum("nij,nj->ni", self._to_local, np.stack(found, axis=-1))
         return ShellPoints(now[0], np.stack(n0, axis=-1), local)
 
-    @staticmethod
-    def _derivatives(shape: Floats, coordinates: Floats) -> Floats:
+    def _derivatives(self, coordinates: Floats, which: slice = slice(None)) -> Floats:
         """Position and its derivatives at the points, shape (6, n, 3)."""
-        return np.einsum("dns,nsc->dnc", shape, coordinates.reshape(len(coordinates), -1, 3))
+        return (self._shape[:, which] @ coordinates.reshape(len(coordinates), -1, 3)).transpose(1, 0, 2)
 
 
 def _vectors(derivatives: Floats) -> tuple[Any, ...]:
