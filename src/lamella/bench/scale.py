@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from math import log
 
@@ -37,6 +37,13 @@ def belt(along: int, across: int) -> lm.System:
     return system
 
 
+def weighed(n: int) -> lm.System:
+    """The cantilever plate, which is let go: a load that is the same on every mesh, unlike that of one node."""
+    system = cantilever(n, force=0.0)
+    system.add(lm.Gravity("weight"))
+    return system
+
+
 def set_up(system: lm.System) -> tuple[Equations, LinearSolver]:
     """All that comes before the first step, but for the accelerations at the start."""
     equations = Equations(system.compile())
@@ -53,8 +60,9 @@ def peak_memory(make: Callable[[], lm.System]) -> float:
         tracemalloc.stop()
 
 
-def measured(what: str, make: Callable[[], lm.System], runs: int) -> tuple[int, tuple[Row, ...]]:
-    """Independent coordinates, and the rows of one mesh."""
+def measured(what: str, motions: Mapping[str, Callable[[], lm.System]], runs: int) -> tuple[int, tuple[Row, ...]]:
+    """Independent coordinates, and the rows of one mesh: of all its motions, and the rest with the first of them."""
+    make = next(iter(motions.values()))
     seconds, (equations, solver) = median(lambda: cpu(lambda: set_up(make())), runs)
     matrix, none = equations.matrix, np.zeros(0)
     layout, right = layout_of(matrix.pattern), np.ones(matrix.pattern.n)
@@ -62,38 +70,48 @@ def measured(what: str, make: Callable[[], lm.System], runs: int) -> tuple[int, 
     counts = f"{layout.cost / 1e6:.0f} million multiplications and additions, {layout.size * 8e-6:.0f} MB of factor"
     factorised = statistics.median(cpu(partial(solver.factorise, matrix.mass, none))[0] for _ in range(3 * runs))
     solved = statistics.median(cpu(partial(solver.solve, right, none))[0] for _ in range(9 * runs))
+    rows = (
+        row(what=f"{what}: set-up", time=seconds, unit="s", note=f"{matrix.pattern.n} coordinates"),
+        row(what=f"{what}: factorisation", time=factorised * 1e3, unit="ms", note=counts),
+        row(what=f"{what}: solution", time=solved * 1e3, unit="ms"),
+        *(stepped(f"{what}: {name}", Equations(moving().compile()), runs) for name, moving in motions.items()),
+        row(what=f"{what}: peak memory", time=peak_memory(make), unit="MB"),
+    )
+    return matrix.pattern.n, rows
+
+
+def stepped(what: str, equations: Equations, runs: int) -> Row:
+    """The mean of the first steps."""
 
     def move(steps: int) -> Result:
         return lm.simulate(equations, steps * INTEGRATOR.dt, INTEGRATOR)
 
     step, result = a_step(move, STEPS, 3 * runs)
     done = result.statistics
-    rows = (
-        row(what=f"{what}: set-up", time=seconds, unit="s", note=f"{matrix.pattern.n} coordinates"),
-        row(what=f"{what}: factorisation", time=factorised * 1e3, unit="ms", note=counts),
-        row(what=f"{what}: solution", time=solved * 1e3, unit="ms"),
-        row(
-            what=f"{what}: step",
-            time=step * 1e3,
-            unit="ms a step",
-            steps=done.steps,
-            iterations=done.newton_iterations / done.steps,
-            factorisations=done.factorisations / done.steps,
-        ),
-        row(what=f"{what}: peak memory", time=peak_memory(make), unit="MB"),
+    return Row(
+        case=CASE,
+        code=CODE,
+        what=what,
+        time=step * 1e3,
+        unit="ms a step",
+        steps=done.steps,
+        iterations=done.newton_iterations / done.steps,
+        factorisations=done.factorisations / done.steps,
     )
-    return matrix.pattern.n, rows
 
 
 def run(runs: int) -> Iterator[Row]:
     """Meshes from coarse to fine; the note tells the exponent of the coordinates that leads from the mesh before to this one."""
     lm.simulate(cantilever(3), 2 * INTEGRATOR.dt, INTEGRATOR)  # compiles what is not in the cache
-    plates = [(f"plate {n} x {n}", partial(cantilever, n)) for n in PLATES]
-    belts = [(f"belt {n} x {m}", partial(belt, n, m)) for n, m in BELTS]
+    plates = [
+        (f"plate {n} x {n}", {"step, let go": partial(weighed, n), "step, sudden force at a node": partial(cantilever, n)})
+        for n in PLATES
+    ]
+    belts = [(f"belt {n} x {m}", {"step": partial(belt, n, m)}) for n, m in BELTS]
     for family in (plates, belts):
         before: tuple[int, tuple[Row, ...]] | None = None
-        for what, make in family:
-            n, rows = measured(what, make, runs)
+        for what, motions in family:
+            n, rows = measured(what, motions, runs)
             if before is None:
                 yield from rows
             else:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamella.errors import ResultFileError
-from lamella.io.result_layout import Node, append, refuse_other_file
+from lamella.io.result_layout import Node, refuse_other_file
 from lamella.roles import Floats, Ints
 from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
@@ -81,16 +81,17 @@ def _write(group: Node, result: Result, per_element: int, fields: list[SurfaceFi
     group.attrs.create("Type", b"UnstructuredGrid", dtype="S16")  # VTK reads fixed-length ASCII only
     plates, bodies = SurfaceSampler(result, per_element), SolidSampler(result)
     n_points = _write_topology(group, plates.at(0), bodies.at(0))
-    points = group.create_dataset("Points", (0, 3), maxshape=(None, 3), chunks=(n_points, 3), **PACKED)
+    points = _create_array(group, "Points", 3, n_frames, n_points)
     data = group.create_group("PointData")
-    arrays = {field.name: _create_array(data, field, n_points) for field in fields}
+    arrays = {field.name: _create_field(data, field, n_frames, n_points) for field in fields}
     for frame in range(n_frames):
         shots, solids = plates.at(frame), bodies.at(frame)
-        append(points, np.concatenate([*(shot.now.r.reshape(-1, 3) for shot in shots), *(solid.points for solid in solids)]))
+        rows = slice(frame * n_points, (frame + 1) * n_points)
+        points[rows] = np.concatenate([*(shot.now.r.reshape(-1, 3) for shot in shots), *(solid.points for solid in solids)])
         for field in fields:
             values = [field.evaluate(shot).reshape(shot.now.r.shape[0] * shot.now.r.shape[1], -1) for shot in shots]
             column = np.concatenate([*values, *(_on_solid(field, solid) for solid in solids)])
-            append(arrays[field.name], column if field.labels else column[:, 0])
+            arrays[field.name][rows] = column if field.labels else column[:, 0]
     _write_steps(group, result.frame_at, n_points, fields)
 
 
@@ -131,10 +132,14 @@ def quadrilaterals(my: int, mx: int) -> Ints:
     return corner + np.array([0, 1, mx + 1, mx])
 
 
-def _create_array(data: Node, field: SurfaceField, n_points: int) -> Node:
-    width = len(field.labels)
-    shape, limit, chunk = ((0, width), (None, width), (n_points, width)) if width else ((0,), (None,), (n_points,))
-    array = data.create_dataset(field.name, shape, maxshape=limit, chunks=chunk, **PACKED)
+def _create_array(group: Node, name: str, width: int, n_frames: int, n_points: int) -> Node:
+    """An array of all frames, one after another, compressed frame by frame."""
+    more = (width,) if width else ()
+    return group.create_dataset(name, (n_frames * n_points, *more), chunks=(n_points, *more), **PACKED)
+
+
+def _create_field(data: Node, field: SurfaceField, n_frames: int, n_points: int) -> Node:
+    array = _create_array(data, field.name, len(field.labels), n_frames, n_points)
     array.attrs.update({"units": field.unit, "long_name": field.title})
     return array
 
