@@ -152,9 +152,10 @@ def test_scale_tells_coordinates_and_exponents(monkeypatch: pytest.MonkeyPatch) 
     assert rows["belt 8 x 1: set-up"].note == f"{12 * 16} coordinates"
     assert "exponent" not in rows["belt 8 x 1: step"].note
     work = {what.split(": ")[1] for what in rows}
-    assert work == {"set-up", "factorisation", "solution", "step", "peak memory"}
+    moving = {"step", "step, let go", "step, sudden force at a node"}
+    assert work == {"set-up", "factorisation", "solution", "peak memory"} | moving
     assert rows["plate 4 x 4: peak memory"].time > 16 * 1176 * 8e-6  # MB, the tangents of the elements alone
-    assert rows["plate 4 x 4: step"].iterations >= 1
+    assert all(rows[f"plate 4 x 4: {name}"].iterations >= 1 for name in ("step, let go", "step, sudden force at a node"))
 
 
 def test_deck_of_calculix_is_a_plate() -> None:
