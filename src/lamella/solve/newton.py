@@ -16,6 +16,7 @@ from lamella.errors import SingularSystemError
 from lamella.result import Cause, Statistics
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
+from lamella.solve.broyden import BroydenCorrections
 from lamella.solve.secant import SecantCorrections
 from lamella.units import Positive
 
@@ -112,7 +113,10 @@ class NewtonSolver:
         self._factored_for: Weights | None = None
         self._age, self._short_lived = 0, False
         self._per_magnitude = 1.0 / equations.magnitude
-        self._corrections = SecantCorrections(linear)
+        if linear.pattern.symmetric:
+            self._corrections: SecantCorrections | BroydenCorrections = SecantCorrections(linear)
+        else:
+            self._corrections = BroydenCorrections(linear, self._per_magnitude)
         self._per_stiffness = np.zeros(0)
 
     def size(self, du: Floats) -> float:

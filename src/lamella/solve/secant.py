@@ -1,4 +1,4 @@
-"""Corrections with a kept factorisation, improved by the secants of the iterates since (BFGS)."""
+"""Corrections with a kept factorisation of a symmetric matrix, improved by the secants of the iterates since (BFGS)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ class SecantCorrections:
 
         H <- (I - s y^T / s.y) H (I - y s^T / s.y) + s s^T / s.y,      so that H y = s
 
-    applied as products, without forming H. The update keeps H symmetric, so an unsymmetric matrix is left as it is.
+    applied as products, without forming H. The update keeps H symmetric; for others see
+    :class:`~lamella.solve.broyden.BroydenCorrections`.
 
     Args:
         linear: holds the factorisation.
@@ -48,9 +49,8 @@ class SecantCorrections:
 
     def __call__(self, r: Floats, phi: Floats) -> tuple[Floats, Floats]:
         """The correction du (n_u,), dlam (n_lam,), which is taken to be made before the next call, and is overwritten by that."""
-        learns = self._corrected and self.linear.pattern.symmetric
         self._learnt = _before(
-            r, phi, learns, self._learnt, self._s, self._y, self._sy, self._shares, self._g, self._z, self._h
+            r, phi, self._corrected, self._learnt, self._s, self._y, self._sy, self._shares, self._g, self._z, self._h
         )  # fmt: skip
         x, lam = self.linear.solve(self._h_u, self._h_lam)
         _after(x, lam, self._learnt, self._s, self._y, self._sy, self._shares, self._z)
@@ -68,7 +68,7 @@ def _dot(a: Floats, at: int, x: Floats) -> float:
 
 
 @kernel
-def _add(x: Floats, factor: float, a: Floats, at: int) -> None:
+def add_row(x: Floats, factor: float, a: Floats, at: int) -> None:
     """x += factor a[at : at + n]"""
     for i in range(0, len(x), WIDTH):
         store_at(x, i, load_at(x, i) + factor * load_at(a, at + i))
@@ -107,7 +107,7 @@ def _before(
     for i in range(learnt - 1, max(learnt - MEMORY, 0) - 1, -1):
         row = i % MEMORY
         shares[row] = _dot(s, row * n, h) / sy[row]
-        _add(h, -shares[row], y, row * n)
+        add_row(h, -shares[row], y, row * n)
     return learnt
 
 
@@ -121,6 +121,6 @@ def _after(x: Floats, lam: Floats, learnt: int, s: Floats, y: Floats, sy: Floats
         z[len(x) + i] = lam[i]
     for i in range(max(learnt - MEMORY, 0), learnt):
         row = i % MEMORY
-        _add(z, shares[row] - _dot(y, row * n, z) / sy[row], s, row * n)
+        add_row(z, shares[row] - _dot(y, row * n, z) / sy[row], s, row * n)
     for i in range(n):
         z[i] = -z[i]
