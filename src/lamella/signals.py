@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -16,7 +17,7 @@ from lamella.dofs import Signal, Support
 from lamella.kinematics import vectors_of
 from lamella.memory import Memory
 from lamella.roles import Floats, ForceBlock, Ints
-from lamella.state import State
+from lamella.state import OncePerState, State
 
 AXES = ("x", "y", "z")
 LOAD_FACTOR = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
@@ -92,8 +93,10 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     if frame is None:
         return signals
 
+    into_frame = OncePerState(lambda state: frame.rotation(vectors_of(state.q)).T)
+
     def local(evaluate: Callable[[State], Floats]) -> Callable[[State], Floats]:
-        return lambda state: frame.rotation(vectors_of(state.q)).T @ evaluate(state)
+        return lambda state: into_frame(state) @ evaluate(state)
 
     where = "in the joint frame of a"
     return [
@@ -129,23 +132,6 @@ def _resultants(
         out[5] += x0 * f1 - x1 * f0
 
 
-class OncePerState:
-    """A function of the state that several signals share: evaluated once while they are recorded for one state.
-
-    Args:
-        evaluate: the function.
-    """
-
-    def __init__(self, evaluate: Callable[[State], Floats]) -> None:
-        self.evaluate = evaluate
-        self._last: tuple[State, Floats] | None = None
-
-    def __call__(self, state: State) -> Floats:
-        if self._last is None or self._last[0] is not state:
-            self._last = state, self.evaluate(state)
-        return self._last[1]
-
-
 class WorkMeter(Memory):
     """Work done since the first state given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
 
@@ -177,25 +163,36 @@ class ActuatorMeter(Memory):
     Args:
         blocks: blocks whose potential depends on time or temperature.
         n_motion: number of coordinates of motion, which come first.
+        potential: gives their V in a state.
     """
 
     remembered = ("work", "_last")
 
-    def __init__(self, blocks: Sequence[ForceBlock], n_motion: int) -> None:
-        self.blocks, self.work, self.n_motion = blocks, 0.0, n_motion
+    def __init__(self, blocks: Sequence[ForceBlock], n_motion: int, potential: Callable[[State], float]) -> None:
+        self.blocks, self.work, self.n_motion, self.potential = blocks, 0.0, n_motion, potential
         self._last: tuple[float, Floats] | None = None
+        self._last_potential: float | None = None
 
     def __call__(self, state: State) -> float:
         if not self.blocks:
             return 0.0
+        n, q, now = self.n_motion, state.q, self.potential(state)
         if self._last is not None:
-            t, q = self._last
-            n = self.n_motion
-            for place in (q[:n], state.q[:n]):
-                now, before = np.concatenate([place, state.q[n:]]), np.concatenate([place, q[n:]])
-                self.work += 0.5 * sum(block.energy(state.t, now) - block.energy(t, before) for block in self.blocks)
-        self._last = state.t, state.q
+            t_before, before = self._last
+            last = self._at(t_before, before) if self._last_potential is None else self._last_potential
+            here = self._at(state.t, np.concatenate([before[:n], q[n:]]))
+            there = self._at(t_before, np.concatenate([q[:n], before[n:]]))
+            self.work += 0.5 * ((here - last) + (now - there))
+        self._last, self._last_potential = (state.t, q), now
         return self.work
+
+    def _at(self, t: float, q: Floats) -> float:
+        return sum(block.energy(t, q) for block in self.blocks)
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Take back what was remembered."""
+        super().recall(memory)
+        self._last_potential = None
 
 
 class Baseline(Memory):
@@ -229,8 +226,10 @@ def energy_signals(equations: Equations) -> list[Signal]:
     def kinetic(state: State) -> float:
         return 0.5 * float(state.v @ equations.momentum(state.v)) if state.v.any() else 0.0  # statics then needs no mass
 
+    potentials = OncePerState(lambda s: np.array([block.energy(s.t, s.q) for block in model.forces]))
+
     def strain(state: State) -> float:
-        return sum(block.energy(state.t, state.q) for block in model.forces)
+        return float(potentials(state).sum())
 
     def heat(state: State) -> tuple[Floats, Floats]:
         """Damping forces, those with velocities less those without, and the coordinates on which they work.
@@ -254,7 +253,9 @@ def energy_signals(equations: Equations) -> list[Signal]:
             np.concatenate([s.factor * elimination.motions(s.t), constraints.prescribed(s.t)]),
         )
     )
-    actuators = ActuatorMeter([block for block in model.forces if block.varies], n)
+    varying = [k for k, block in enumerate(model.forces) if block.varies]
+    driven = [model.forces[k] for k in varying]
+    actuators = ActuatorMeter(driven, n, lambda s: float(potentials(s)[varying].sum()))
 
     def supports(state: State) -> float:
         return (along_motions(state) if moves else 0.0) + actuators(state)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from lamella.roles import Floats
@@ -29,3 +30,20 @@ class State:
     lam: Floats
     reaction: Floats
     factor: float = 1.0
+
+
+class OncePerState:
+    """A function of the state that several signals share: evaluated once while they are recorded for one state.
+
+    Args:
+        evaluate: the function.
+    """
+
+    def __init__(self, evaluate: Callable[[State], Floats]) -> None:
+        self.evaluate = evaluate
+        self._last: tuple[State, Floats] | None = None
+
+    def __call__(self, state: State) -> Floats:
+        if self._last is None or self._last[0] is not state:
+            self._last = state, self.evaluate(state)
+        return self._last[1]

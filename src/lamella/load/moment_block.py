@@ -8,7 +8,7 @@ import numpy as np
 
 from lamella.dofs import Motion
 from lamella.kinematics import PointRows
-from lamella.load.moment_kernels import Vector, moment_forces, moment_tangents
+from lamella.load.moment_kernels import Vector, group_forces, moment_tangents
 from lamella.roles import Floats, ForceBlock, Ints, Symmetry
 
 
@@ -50,7 +50,8 @@ class MomentBlock(ForceBlock):
         pairs = np.einsum("gpia,gpjb->gabpij", shares, slopes)
         self._pairs = np.ascontiguousarray(pairs.reshape(n_groups, n * n, 4 * n_points))
         self._number(n)
-        self._tangents = np.empty((n_groups, 2 * n_points, 3))
+        self._first, self._shape = 3 * self._vectors, (n_groups, n, 3)
+        self._tangents = np.empty((n_groups, n_points, 2, 3))
         self._F = np.empty_like(self._tangents)
         self._H = np.empty((n_groups, 4 * n_points, 9))
 
@@ -64,18 +65,26 @@ class MomentBlock(ForceBlock):
         self.k_scale = np.ones(self.k_rows.size)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        np.matmul(self._slopes, q[self.f_coords].reshape(*self._vectors.shape, 3), out=self._tangents)
-        moment_forces(self.kind, self.components, self._tangents.reshape(-1, 2, 3), self._F.reshape(-1, 2, 3))
-        np.matmul(self._shares, self._F, out=f.reshape(*self._vectors.shape, 3))
-        f *= -self.profile.value(t)
+        factor = self.profile.value(t)
+        if factor == 0.0:  # much of a manoeuvre is coasting
+            f[:] = 0.0
+            return
+        group_forces(
+            self.kind, self.components, -factor, q, self._first, self._slopes, self._shares,
+            self._tangents, self._F, f.reshape(self._shape),
+        )  # fmt: skip
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         self.force(t, q, v, f)
+        factor = self.profile.value(t)
+        if factor == 0.0:
+            k[:] = 0.0
+            return
         moment_tangents(self.kind, self.components, self._tangents.reshape(-1, 2, 3), self._H.reshape(-1, 2, 2, 3, 3))
         np.matmul(self._pairs, self._H, out=k.reshape(*self._pairs.shape[:2], 9))
-        k *= -alpha_q * self.profile.value(t)
+        k *= -alpha_q * factor
 
     def energy(self, t: float, q: Floats) -> float:
         return 0.0

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 
 from lamella._jit import inlined, njit
-from lamella.roles import Floats
+from lamella.roles import Floats, Ints
 
 FIXED, MATERIAL, ALONG_X, ALONG_Y = 0, 1, 2, 3
 """What the components of a moment refer to: inertial axes, the material frame, or (first component) the tangent r_x or r_y."""
@@ -132,6 +132,40 @@ def moment_forces(kind: int, components: Vector, tangents: Floats, F: Floats) ->
             F_i = spin_force(b[i], c[i], n0, m)
             for row in range(3):
                 F[p, i, row] = F_i[row]
+
+
+@njit
+def group_forces(
+    kind: int, components: Vector, factor: float, q: Floats, coords: Ints, slopes: Floats, shares: Floats,
+    tangents: Floats, F: Floats, f: Floats,
+) -> None:  # fmt: skip
+    """f = factor sum_points S^T F(S q) of groups of points.
+
+    Args:
+        kind, components: the moment, as in :func:`moment_forces`.
+        factor: of the force.
+        q: all coordinates.
+        coords: first coordinate of each vector of each group, shape (n_groups, n).
+        slopes: weights of the vectors in the tangents, shape (n_groups, 2 n_points, n).
+        shares: the same times the weight of the point, transposed, shape (n_groups, n, 2 n_points).
+        tangents, F: results r_x, r_y and F_i of each point, shape (n_groups, n_points, 2, 3).
+        f: result, shape (n_groups, n, 3).
+    """
+    n_groups, n_rows, n = slopes.shape
+    for g in range(n_groups):
+        for row in range(n_rows):
+            for c in range(3):
+                total = 0.0
+                for k in range(n):
+                    total += slopes[g, row, k] * q[coords[g, k] + c]
+                tangents[g, row // 2, row % 2, c] = total
+        moment_forces(kind, components, tangents[g], F[g])
+        for k in range(n):
+            for c in range(3):
+                total = 0.0
+                for row in range(n_rows):
+                    total += shares[g, k, row] * F[g, row // 2, row % 2, c]
+                f[g, k, c] = factor * total
 
 
 @njit

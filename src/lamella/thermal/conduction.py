@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lamella._jit import njit
 from lamella.errors import DeclarationError
 from lamella.roles import Floats, ForceBlock, Ints
 from lamella.thermal.mesh import TemperatureMesh
@@ -27,6 +28,7 @@ class ConductionBlock(ForceBlock):
     def __init__(self, name: str, coords: Ints, K: Floats, C: Floats | None = None, supply: Floats | None = None) -> None:
         self.name, self._K, self._C = name, K, C
         self._coords, self._supply = coords, np.zeros(8) if supply is None else supply
+        self._capacity = np.zeros((0, 0)) if C is None else C
         self.depends_on_velocity = C is not None
         self.f_coords, self.f_scale = coords.reshape(-1), np.ones(coords.size)
         rows, cols = UPPER
@@ -35,11 +37,7 @@ class ConductionBlock(ForceBlock):
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Heat that leaves the nodes [W]."""
-        out = f.reshape(-1, 8)
-        np.matmul(q[self._coords], self._K, out=out)
-        out -= self._supply
-        if self._C is not None:
-            out += v[self._coords] @ self._C
+        _heat(q, v, self._coords, self._K, self._supply, self._capacity, f)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
@@ -92,3 +90,16 @@ def film_block(name: str, mesh: TemperatureMesh, height: float, coefficient: flo
     K = coefficient * np.block([[a * b * mixed for b in z] for a in z])
     supply = coefficient * (ambient - mesh.reference) * np.concatenate([a * one for a in z])
     return ConductionBlock(name, mesh.coords, K, supply=supply)
+
+
+@njit
+def _heat(q: Floats, v: Floats, coords: Ints, K: Floats, supply: Floats, C: Floats, f: Floats) -> None:
+    """f = K q_e - supply + C v_e of each element e; C may be empty."""
+    for e in range(len(coords)):
+        for i in range(8):
+            total = -supply[i]
+            for j in range(8):
+                total += K[i, j] * q[coords[e, j]]
+            for j in range(len(C)):
+                total += C[i, j] * v[coords[e, j]]
+            f[8 * e + i] = total

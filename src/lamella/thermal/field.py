@@ -120,8 +120,9 @@ class TemperatureField(Declaration):
 
 
 def _marker_signals(name: str, where: str, mesh: TemperatureMesh, at: tuple[float, float]) -> list[Signal]:
-    x, y = np.array([at[0]]), np.array([at[1]])
+    element, shape = mesh.weights(np.array([at[0]]), np.array([at[1]]))
+    coords, weights = mesh.coords[element[0]], shape[0]
     return [
-        Signal(f"{name}.T_N", "K", (), lambda s: float(mesh.at(s.q, x, y)[0][0]), f"change of temperature of {where}"),
-        Signal(f"{name}.T_M", "K/m", (), lambda s: float(mesh.at(s.q, x, y)[1][0]), f"gradient of temperature at {where}"),
+        Signal(f"{name}.T_N", "K", (), lambda s: float(weights @ s.q[coords[:4]]), f"change of temperature of {where}"),
+        Signal(f"{name}.T_M", "K/m", (), lambda s: float(weights @ s.q[coords[4:]]), f"gradient of temperature at {where}"),
     ]
