@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy import sparse
 
+from lamella.assembly.pattern_kernels import plain_entries
 from lamella.roles import Floats, Ints, Symmetry
 
 
@@ -39,25 +40,21 @@ def expand_matrix(rows: Ints, cols: Ints, scale: Floats, symmetry: Symmetry, upp
         upper: keep the upper triangle only.
         T: map from independent to all coordinates, (n_q, n_u).
     """
+    if symmetry == "symmetric" and upper:
+        first, sources = _plain(rows, cols, scale, T)
+        return _joined(first, _general(rows, cols, scale, sources, symmetry, upper, T)) if len(sources) else first
     counts = np.diff(T.indptr)
     sources = np.flatnonzero((rows >= 0) & (cols >= 0) & (counts[rows] > 0) & (counts[cols] > 0))
-    if symmetry == "symmetric" and upper:
-        plain = (counts[rows[sources]] == 1) & (counts[cols[sources]] == 1)
-        first = _plain(rows, cols, scale, sources[plain], T)
-        sources = sources[~plain]
-        if not len(sources):
-            return first
-        return _joined(first, _general(rows, cols, scale, sources, symmetry, upper, T))
     return _general(rows, cols, scale, sources, symmetry, upper, T)
 
 
-def _plain(rows: Ints, cols: Ints, scale: Floats, sources: Ints, T: sparse.csr_array) -> Entries:
-    """Entries of a symmetric block whose two coordinates each follow one independent coordinate, in the upper triangle."""
-    i, j = T.indptr[rows[sources]], T.indptr[cols[sources]]
-    x = scale[sources] * T.data[i] * T.data[j]
-    u, v = T.indices[i], T.indices[j]
-    x[(u == v) & (i != j)] *= 2.0  # the entry and its mirror image fall on the diagonal
-    return Entries(np.minimum(u, v), np.maximum(u, v), sources, x)
+def _plain(rows: Ints, cols: Ints, scale: Floats, T: sparse.csr_array) -> tuple[Entries, Ints]:
+    """Entries whose two coordinates each follow one independent coordinate, and which entries are others."""
+    u, v, sources, others = (np.empty(len(rows), np.int64) for _ in range(4))
+    x = np.empty(len(rows))
+    map_of = T.indptr.astype(np.int64), T.indices.astype(np.int64), T.data.astype(float)
+    n, m = plain_entries(rows, cols, scale, *map_of, u, v, sources, x, others)
+    return Entries(u[:n], v[:n], sources[:n], x[:n]), others[:m]
 
 
 def _joined(one: Entries, other: Entries) -> Entries:

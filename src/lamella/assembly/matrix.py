@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
@@ -15,6 +14,7 @@ from lamella.assembly.expand import Entries, expand_matrix, expand_rows
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
+from lamella.assembly.pattern_kernels import numbered
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
@@ -24,8 +24,6 @@ ENTRY = 2e-9
 """Seconds that it takes to sum an entry of a buffer into the matrix."""
 RANGES = 8
 """Ranges of a large matrix."""
-FLAGS = 2**18
-"""Entries of a full matrix that are looked at together to find those that occur."""
 EVERY = np.ones(1, bool)
 """The one part of a buffer that is always in use."""
 
@@ -68,7 +66,7 @@ class MatrixAssembly:
         diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
         rows = np.concatenate([*(e.rows for e in entries), reduced_mass.row[keep], diagonal])
         cols = np.concatenate([*(e.cols for e in entries), reduced_mass.col[keep], diagonal])
-        places, slots = _places(rows, cols, n_u)
+        places, slots = numbered(rows, cols, n_u)
         n_entries = sum(len(e.rows) for e in entries)
         self._values, self.mass = np.zeros(len(places)), np.zeros(len(places))
         """The matrix, and M alone, in the pattern's order."""
@@ -179,33 +177,6 @@ def _bounds(n_entries: int, n_values: int) -> list[int]:
     """
     pieces = RANGES if ENTRY * n_entries > threads.WORTHWHILE else 1
     return [n_values * i // pieces for i in range(pieces + 1)]
-
-
-def _places(rows: Ints, cols: Ints, n: int) -> tuple[Ints, Ints]:
-    """The places row n + col that occur, ascending, and which of them each entry has; by flags, for some rows at a time."""
-    if not n:  # supports hold every coordinate
-        return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    height = min(n, max(32, FLAGS // n))
-    part = (rows // height).astype(np.uint16 if n <= height * np.iinfo(np.uint16).max else np.int64)
-    order = np.argsort(part, kind="stable")  # of 16 bits it counts
-    bounds = np.searchsorted(part[order], np.arange(-(-n // height) + 1))
-    flags, number = np.zeros(height * n, bool), np.empty(height * n, np.int64)
-    places, slots, count = [np.zeros(0, np.int64)], np.empty(len(rows), np.int64), 0
-    for i, (first, end) in enumerate(pairwise(bounds)):
-        if first == end:
-            continue
-        own = order[first:end] if end - first < len(rows) else slice(None)
-        left = int(cols[own].min())
-        wide = int(cols[own].max()) + 1 - left  # a band is looked through in no time
-        keys = (rows[own] - i * height) * wide + cols[own] - left
-        flags[: height * wide] = False
-        flags[keys] = True
-        found = np.flatnonzero(flags[: height * wide])
-        number[found] = np.arange(count, count + len(found))
-        slots[own] = number[keys]
-        places.append((found // wide + i * height) * n + found % wide + left)
-        count += len(found)
-    return np.concatenate(places), slots
 
 
 def _shifted(entries: Entries, start: int) -> Entries:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import kernel, shared
+from lamella.assembly.pattern_kernels import in_layers, runs_of, tabulated
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
@@ -95,21 +96,13 @@ class ScatterSum:
     """
 
     def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints, bounds: Sequence[int] | None = None) -> None:
-        order = np.argsort(sources, kind="stable")
-        targets, sources, factors = targets[order], sources[order], factors[order].astype(float)
-        at = np.arange(len(sources))
-        layer = at - np.maximum.accumulate(np.where(np.diff(sources, prepend=-1) != 0, at, 0))
-        part = np.searchsorted(parts, sources, side="right")
-        if layer.any():
-            by_layer = np.lexsort((layer, part))  # which keeps the order of the sources
-            targets, sources, factors, part = targets[by_layer], sources[by_layer], factors[by_layer], part[by_layer]
-        self._table = np.unique(factors)
-        codes = np.searchsorted(self._table, factors)
-        codes = codes.astype(np.uint16 if len(self._table) <= np.iinfo(np.uint16).max else np.int32)
+        order = in_layers(sources, parts)
+        ordered, sources = targets[order].astype(np.uint32), sources[order]
+        self._table, codes = tabulated(factors[order].astype(float))
         self._ranges: list[Listed] = []
         for first, end in pairwise([0, np.inf] if bounds is None else bounds):
-            own = slice(None) if bounds is None or len(bounds) == 2 else np.flatnonzero((targets >= first) & (targets < end))
-            self._ranges.append(_listed(targets[own], sources[own], codes[own], part[own], len(parts)))
+            own = slice(None) if bounds is None or len(bounds) == 2 else np.flatnonzero((ordered >= first) & (ordered < end))
+            self._ranges.append((*runs_of(sources[own], parts), ordered[own], codes[own]))
 
     def add(self, x: Floats, used: Bools, out: Floats, number: int = 0) -> None:
         """Add the parts in use, (n_part,), to a range of ``out``, whose other numbers are left alone."""
@@ -117,14 +110,8 @@ class ScatterSum:
 
 
 Listed = tuple[Ints, Ints, NDArray[np.uint32], NDArray[np.integer]]
-
-
-def _listed(targets: Ints, sources: Ints, codes: NDArray[np.integer], part: Ints, n_parts: int) -> Listed:
-    """Contributions, in their order, for :func:`_add_parts`: where runs begin for each part, runs, targets, codes of factors."""
-    begins = np.flatnonzero((np.diff(sources, prepend=-2) != 1) | (np.diff(part, prepend=-1) != 0))
-    runs = np.column_stack([begins, np.append(begins, len(sources))[1:], sources[begins] - begins])
-    starts = np.searchsorted(part[begins], np.arange(1, n_parts + 1))
-    return starts, runs, targets.astype(np.uint32), codes  # targets without sign, so that Numba does not look for negative ones
+"""Where the runs of each part begin, the runs, targets, and codes of factors. Targets have no sign, so that Numba does not look
+for negative ones."""
 
 
 @shared

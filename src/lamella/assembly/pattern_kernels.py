@@ -1,0 +1,214 @@
+"""Loops over all contributions to a matrix, which are walked once when its pattern is found."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lamella._jit import kernel
+from lamella.roles import Floats, Ints
+
+FEW = 1024
+"""Different factors that are looked for one by one; more are sorted."""
+
+
+def sorted_by(keys: Ints, n_keys: int, order: Ints | None = None) -> tuple[Ints, Ints]:
+    """An order of entries, stably sorted by their keys in [0, n_keys), by counting; and where each key's entries end."""
+    ends, out = np.zeros(n_keys + 1, np.int64), np.empty(len(keys), np.int64)
+    _sort(keys, np.arange(len(keys)) if order is None else order, ends, out)
+    return out, ends
+
+
+def in_layers(sources: Ints, parts: Ints) -> Ints:
+    """The order of contributions by part of the buffer, and within one by layer: the first of each source, then the second ones.
+
+    Args:
+        sources: place in the buffer of each contribution, shape (n,).
+        parts: where each part begins, and where the last ends, shape (n_part + 1,).
+    """
+    order, ends = sorted_by(sources, int(parts[-1]))
+    out = np.empty_like(order)
+    _layer(order, ends, parts, np.empty(int(np.diff(parts).max(initial=0)), np.int64), out)
+    return out
+
+
+def runs_of(sources: Ints, parts: Ints) -> tuple[Ints, Ints]:
+    """Runs of consecutive sources of ordered contributions: the first of each part, shape (n_part + 1,), and (first, end, ahead)
+    of each, shape (n, 3): contribution i of a run has the source i + ahead.
+    """
+    starts = np.zeros(len(parts), np.int64)
+    runs = np.empty((_runs(sources, parts, starts, np.empty((0, 3), np.int64)), 3), np.int64)
+    _runs(sources, parts, starts, runs)
+    return starts, runs
+
+
+def tabulated(factors: Floats) -> tuple[Floats, NDArray[np.integer]]:
+    """The different factors, ascending, and which of them each is."""
+    table = np.empty(FEW)
+    n = _tabulate(factors, table)
+    if n < 0:
+        table = np.unique(factors)
+        codes = np.searchsorted(table, factors)
+        return table, codes.astype(np.uint16 if len(table) <= np.iinfo(np.uint16).max else np.int32)
+    few = np.empty(len(factors), np.uint16)
+    _encode(factors, table[:n], few)
+    return table[:n].copy(), few
+
+
+def numbered(rows: Ints, cols: Ints, n: int) -> tuple[Ints, Ints]:
+    """The places row n + col that occur, ascending, and which of them each entry has."""
+    order, _ = sorted_by(rows, n, sorted_by(cols, n)[0])
+    places, slots = np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
+    count = _number(rows, cols, order, n, places, slots)
+    return places[:count].copy(), slots
+
+
+@kernel
+def _sort(keys: Ints, order: Ints, ends: Ints, out: Ints) -> None:
+    for i in range(len(keys)):
+        ends[keys[i] + 1] += 1
+    for k in range(1, len(ends)):
+        ends[k] += ends[k - 1]
+    for i in range(len(order)):
+        key = keys[order[i]]
+        out[ends[key]] = order[i]
+        ends[key] += 1
+
+
+@kernel
+def _layer(order: Ints, ends: Ints, parts: Ints, active: Ints, out: Ints) -> None:
+    """``active`` lists the sources of a part that have contributions left."""
+    at = 0
+    for part in range(len(parts) - 1):
+        left, layer = parts[part + 1] - parts[part], 0
+        for a in range(left):
+            active[a] = parts[part] + a
+        while left:
+            more = 0
+            for a in range(left):
+                source = active[a]
+                i = layer + (ends[source - 1] if source else 0)
+                if i < ends[source]:
+                    out[at] = order[i]
+                    at += 1
+                if i + 1 < ends[source]:
+                    active[more] = source
+                    more += 1
+            left, layer = more, layer + 1
+
+
+@kernel
+def _runs(sources: Ints, parts: Ints, starts: Ints, runs: Ints) -> int:
+    """The number of runs; they are written where ``runs`` has room."""
+    n, part = 0, 0
+    for i in range(len(sources)):
+        begins = i == 0 or sources[i] != sources[i - 1] + 1
+        while sources[i] >= parts[part + 1]:
+            part += 1
+            starts[part] = n
+            begins = True
+        if begins:
+            if n < len(runs):
+                runs[n, 0], runs[n, 2] = i, sources[i] - i
+                if n:
+                    runs[n - 1, 1] = i
+            n += 1
+    for later in range(part + 1, len(parts)):
+        starts[later] = n
+    if n and n <= len(runs):
+        runs[n - 1, 1] = len(sources)
+    return n
+
+
+@kernel
+def _find(table: Floats, n: int, x: float) -> int:
+    """The first of n ascending numbers that is not below x."""
+    low, high = 0, n
+    while low < high:
+        middle = (low + high) // 2
+        if table[middle] < x:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def _tabulate(factors: Floats, table: Floats) -> int:
+    """The number of different factors, written to ``table``; -1 when it is too short."""
+    n, at = 0, 0
+    for i in range(len(factors)):
+        x = factors[i]
+        if n and table[at] == x:
+            continue
+        at = _find(table, n, x)
+        if at < n and table[at] == x:
+            continue
+        if n == len(table):
+            return -1
+        for k in range(n, at, -1):
+            table[k] = table[k - 1]
+        table[at] = x
+        n += 1
+    return n
+
+
+@kernel
+def _encode(factors: Floats, table: Floats, codes: NDArray[np.uint16]) -> None:
+    at = 0
+    for i in range(len(factors)):
+        if table[at] != factors[i]:
+            at = _find(table, len(table), factors[i])
+        codes[i] = at
+
+
+@kernel
+def _number(rows: Ints, cols: Ints, order: Ints, n: int, places: Ints, slots: Ints) -> int:
+    count, last = 0, -1
+    for k in range(len(order)):
+        i = order[k]
+        place = rows[i] * n + cols[i]
+        if place != last:
+            places[count] = place
+            count += 1
+            last = place
+        slots[i] = count - 1
+    return count
+
+
+@kernel
+def plain_entries(
+    rows: Ints, cols: Ints, scale: Floats, indptr: Ints, indices: Ints, data: Floats,
+    u: Ints, v: Ints, sources: Ints, x: Floats, others: Ints,
+) -> tuple[int, int]:  # fmt: skip
+    """Entries of a symmetric block whose two coordinates each follow one independent coordinate, in the upper triangle.
+
+    Args:
+        rows, cols: coordinates of the entries, -1 for padding, shape (n,).
+        scale: factor of each entry.
+        indptr, indices, data: the map from independent to all coordinates.
+        u, v, sources, x: results: place, entry and factor of each, shapes (n,).
+        others: result: entries of coordinates that follow several.
+
+    Returns:
+        The numbers of both kinds; entries of a coordinate that is held are of neither.
+    """
+    n = m = 0
+    for k in range(len(rows)):
+        if rows[k] < 0 or cols[k] < 0:
+            continue
+        i, j = indptr[rows[k]], indptr[cols[k]]
+        many_i, many_j = indptr[rows[k] + 1] - i, indptr[cols[k] + 1] - j
+        if many_i == 0 or many_j == 0:
+            continue
+        if many_i > 1 or many_j > 1:
+            others[m] = k
+            m += 1
+            continue
+        u[n], v[n] = min(indices[i], indices[j]), max(indices[i], indices[j])
+        x[n] = scale[k] * data[i] * data[j]
+        if indices[i] == indices[j] and i != j:
+            x[n] *= 2.0  # the entry and its mirror image fall on the diagonal
+        sources[n] = k
+        n += 1
+    return n, m
