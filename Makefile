@@ -5,11 +5,11 @@ VENV    ?= .venv
 EXAMPLE ?= cantilever-plate
 WORKERS ?= 2
 BIN     := $(VENV)/bin
-SOURCES := src tests tools verification examples
+SOURCES := src tests tools benchmarks verification examples
 PRESENT  = $(wildcard $(SOURCES))
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format verify bench docs clean
+.PHONY: help demo test lint format verify bench history docs clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1|\2/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -45,6 +45,9 @@ verify: $(VENV)/.ready-viz+test  ## the whole verification and the slow tests (n
 
 bench: $(VENV)/.ready-bench  ## time lamella and other codes on the same cases, into results/bench
 	@$(BIN)/lamella bench
+
+history: $(VENV)/.ready-history  ## time lamella's parts, keep the times in .benchmarks and compare them with the last ones
+	@$(BIN)/python -m pytest benchmarks -q --benchmark-autosave --benchmark-compare --benchmark-columns=min,median,rounds
 
 docs: $(VENV)/.ready-docs  ## build the pages of docs/ into build/docs
 	$(BIN)/mkdocs build --quiet --strict --site-dir build/docs

@@ -222,3 +222,22 @@ def test_what_kratos_says_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     monkeypatch.setattr(kratos, "PROGRAM", program)
     with pytest.raises(kratos.KratosError, match="step 2 of 3 did not converge"):
         kratos.bend("thin triangles", 2, -10.0)
+
+
+def test_parts_whose_times_are_kept_can_be_computed() -> None:
+    folder = Path(__file__).parents[2] / "benchmarks"
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        str(folder),
+        "-q",
+        "--benchmark-disable",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:xdist",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stdout
+    assert "18 passed" in done.stdout

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -34,8 +34,8 @@ def blocks() -> tuple[list[ContactBlock], Floats, Floats]:
     return [block for block in model.forces if isinstance(block, ContactBlock)], model.q0, model.v0
 
 
-def run(runs: int) -> Iterator[Row]:
-    """All three rollers together; the shortest of many calls, ``runs`` times as long."""
+def calls() -> tuple[dict[str, Callable[[], object]], str]:
+    """What contact computes for all three rollers together, and how many pairs that is, in words."""
     made, q, v = blocks()
     f = [np.zeros(len(block.f_coords)) for block in made]
     k = [np.zeros(len(block.k_rows)) for block in made]
@@ -50,6 +50,12 @@ def run(runs: int) -> Iterator[Row]:
         for block, own, matrix in zip(made, f, k, strict=True):
             block.force_tangent(0.0, q, v, 1.0, 1e3, q, own, matrix)
 
-    for what, call in {"force": force, "force + tangent": tangent}.items():
+    return {"force": force, "force + tangent": tangent}, pairs
+
+
+def run(runs: int) -> Iterator[Row]:
+    """All three rollers together; the shortest of many calls, ``runs`` times as long."""
+    work, pairs = calls()
+    for what, call in work.items():
         call()  # compiles what is not in the cache
         yield Row(case=CASE, code=CODE, what=what, time=best(call, 0.1 * runs) * 1e3, unit="ms", note=pairs)

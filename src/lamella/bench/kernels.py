@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -34,24 +34,28 @@ def arguments(name: str, n: int) -> tuple[tuple[Any, ...], Floats]:
     return ("plate", coords, np.ones(reference.shape), reference, root @ root.T), q
 
 
+def calls(name: str) -> dict[str, Callable[[], object]]:
+    """What the kernels of an element compute for :data:`N_ELEMENTS` elements."""
+    common, q = arguments(name, N_ELEMENTS)
+    shell = SHELLS[name].strain_models["exact"](*common, N_GAUSS)
+    damper = SHELLS[name].viscous(*common, 0.1, N_GAUSS)
+    v, before = np.sin(q), q + 1e-3 * np.cos(q)
+    f, k, k_full = (np.empty(n) for n in (len(shell.f_coords), len(shell.k_rows), len(damper.k_rows)))
+    return {
+        "energy": partial(shell.energy, 0, q),
+        "force": partial(shell.force, 0, q, v, f),
+        "force + tangent": partial(shell.force_tangent, 0, q, v, 1, 0, q, f, k),
+        "force + extrapolated tangent": partial(shell.force_tangent, 0, q, v, 1, 0, before, f, k),
+        "viscous force": partial(damper.force, 0, q, v, f),
+        "viscous force + tangent": partial(damper.force_tangent, 0, q, v, 1, 1, q, f, k_full),
+    }
+
+
 def run(runs: int) -> Iterator[Row]:
     """Each kernel of both elements; the shortest of many calls, ``runs`` times as long, and what the machine could do."""
     yield from roofline.run(CASE, runs)
     for name in ("plate48", "plate36"):
-        common, q = arguments(name, N_ELEMENTS)
-        shell = SHELLS[name].strain_models["exact"](*common, N_GAUSS)
-        damper = SHELLS[name].viscous(*common, 0.1, N_GAUSS)
-        v, before = np.sin(q), q + 1e-3 * np.cos(q)
-        f, k, k_full = (np.empty(n) for n in (len(shell.f_coords), len(shell.k_rows), len(damper.k_rows)))
-        calls = {
-            "energy": partial(shell.energy, 0, q),
-            "force": partial(shell.force, 0, q, v, f),
-            "force + tangent": partial(shell.force_tangent, 0, q, v, 1, 0, q, f, k),
-            "force + extrapolated tangent": partial(shell.force_tangent, 0, q, v, 1, 0, before, f, k),
-            "viscous force": partial(damper.force, 0, q, v, f),
-            "viscous force + tangent": partial(damper.force_tangent, 0, q, v, 1, 1, q, f, k_full),
-        }
-        for what, call in calls.items():
+        for what, call in calls(name).items():
             call()  # compiles what is not in the cache
             seconds = best(call, 0.1 * runs) / N_ELEMENTS
             work = f"{name}: {what}"

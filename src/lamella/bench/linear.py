@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ from lamella.assembly.pattern import Pattern
 from lamella.bench.clock import best
 from lamella.bench.row import Row
 from lamella.roles import Floats
+from lamella.solve.base import LinearSolver
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.pardiso import library
 
@@ -34,17 +35,20 @@ def plate_like(nx: int, ny: int) -> tuple[Pattern, Floats]:
     return pattern, np.bincount(place, weights=values[upper]).astype(np.float64)
 
 
+def calls(solver: LinearSolver, k: Floats) -> dict[str, Callable[[], object]]:
+    """What a solver does with a matrix, which it factorises first."""
+    none, right = np.zeros(0), np.ones(solver.pattern.n)
+    solver.factorise(k, none)
+    return {"factorise": partial(solver.factorise, k, none), "solve": partial(solver.solve, right, none)}
+
+
 def run(runs: int) -> Iterator[Row]:
     """Each solver on each grid; the shortest of many calls, ``runs`` times as long. Ratios are to the multifrontal one."""
-    none = np.zeros(0)
     for name, (nx, ny) in GRIDS.items():
         pattern, k = plate_like(nx, ny)
-        right, rows = np.ones(pattern.n), {}
+        rows: dict[str, Row] = {}
         for method in METHODS:
-            solver = linear_solver(pattern, method)
-            solver.factorise(k, none)  # compiles what is not in the cache
-            calls = {"factorise": partial(solver.factorise, k, none), "solve": partial(solver.solve, right, none)}
-            for what, call in calls.items():
+            for what, call in calls(linear_solver(pattern, method), k).items():
                 work = f"{name}, {pattern.n} unknowns: {what}"
                 row = Row(case=CASE, code=f"lamella, {method}", what=work, time=best(call, 0.05 * runs) * 1e3, unit="ms")
                 yield row.beside(rows.setdefault(what, row))
