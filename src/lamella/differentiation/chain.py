@@ -10,11 +10,12 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.contact.block import ContactBlock
+from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.modal import enough_modes, frequency_derivatives
 from lamella.differentiation.motion import DifferentiatedAlpha
 from lamella.differentiation.neighbours import Neighbours, Side
 from lamella.differentiation.signals import SignalDerivatives
-from lamella.differentiation.solution import ExactMatrix, PointDerivative, exact, static_derivatives
+from lamella.differentiation.solution import PointDerivative, static_derivatives
 from lamella.differentiation.statistics import statistic_derivative
 from lamella.errors import ConvergenceError, DeclarationError
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
@@ -98,7 +99,7 @@ class Chain:
 
         method = DifferentiatedAlpha(analysis.integrator, self.neighbours, start, sample)
         run = replace(analysis, integrator=method)
-        result = self._completed(analysis, run.run(exact(self.equations), self.computed, 1, self.sinks()))
+        result = self._completed(analysis, run.run(self.equations, self.computed, 1, self.sinks()))
         point, self.ends[analysis.name] = last[0]
         if others:
             steps = len(signals.at)

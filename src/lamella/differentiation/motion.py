@@ -10,9 +10,9 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
+from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.solution import (
-    ExactMatrix,
     PointDerivative,
     projected_velocities,
     rates_derivative,
@@ -117,7 +117,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             udd0 = (alpha_m * a - alpha_f * old.udd) / (1 - alpha_f) - weights.alpha_a * base
             value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
             ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
-            du, dlam = self.matrix.solve(*residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam)))
+            dr, ds = residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam))
+            du, dlam = self.matrix.solve(dr, ds, guess=base)
             slope = np.concatenate([np.full(n, weights.alpha_v), np.full(len(du) - n, weights.rate)])
             udd = udd0 + weights.alpha_a * du
             udd[n:] = 0.0
