@@ -45,15 +45,15 @@ def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative
     accelerations forces are linear or nearly so.
     """
 
-    def evaluate(side: Side) -> Floats:
+    r, phi = np.zeros_like(point.u), np.zeros_like(point.lam)
+    for side in neighbours.sides:
         there = point
         if x is not None:
-            ud, udd = point.ud + side.distance * x.ud, point.udd + side.distance * x.udd
-            there = Point(point.t, point.u, ud, udd, point.lam, point.factor)
-        return np.concatenate(side.equations.residual(there))
-
-    found = neighbours.difference(evaluate)
-    return found[: len(point.u)], found[len(point.u) :]
+            ud = point.ud + side.distance * x.ud if side.equations.depends_on_velocity else point.ud
+            there = Point(point.t, point.u, ud, point.udd + side.distance * x.udd, point.lam, point.factor)
+        for total, part in zip((r, phi), side.equations.residual(there), strict=True):
+            total += side.weight * part
+    return r, phi
 
 
 def static_derivatives(matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours]) -> list[PointDerivative]:
