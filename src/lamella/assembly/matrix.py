@@ -81,7 +81,7 @@ class MatrixAssembly:
         paired = [symmetric and _symmetry(block) != "symmetric" for block in blocks]
         self._bounds = _bounds(sum(len(e.rows) for e in entries), len(self._values))
         self._pairs = np.zeros(2 * len(self._values) if any(paired) else 0)
-        """A_ij and A_ji of the blocks that are nearly symmetric, side by side in the pattern's order; on the diagonal 2 A_ii and 0."""
+        """A_ij and A_ji of blocks that are nearly symmetric, side by side in the pattern's order; 2 A_ii, 0 on the diagonal."""
         self._sums: list[tuple[ForceBlock | None, Floats, ScatterSum, Floats]] = []
         for pairs, out in ((False, self._values), (True, self._pairs)):
             bounds = [(1 + pairs) * bound for bound in self._bounds]
@@ -166,7 +166,7 @@ class MatrixAssembly:
             _add_means(self._pairs, first, end, self._values)
 
     def skew(self) -> Floats:
-        """1/2 (A - A^T), which the symmetric matrix evaluated last leaves out, in the pattern's order; not meant on the diagonal."""
+        """1/2 (A - A^T), which the symmetric matrix evaluated last leaves out, above the diagonal, in the pattern's order."""
         return 0.5 * (self._pairs[::2] - self._pairs[1::2])
 
     def jacobian(self, t: float, q: Floats) -> Floats:
@@ -217,7 +217,7 @@ def _symmetry(block: Block) -> Symmetry:
 
 
 def _entries(block: Block, symmetric: bool, T: sparse.csr_array, start: int) -> Entries:
-    """Contributions of a block whose buffer begins at ``start``: to the upper triangle of a symmetric matrix, if it is symmetric."""
+    """Contributions of a block whose buffer begins at ``start``; upper ones alone where block and matrix are symmetric."""
     symmetry = _symmetry(block)
     scale = block.k_scale if isinstance(block, ForceBlock) else np.ones(len(block.k_rows))
     found = expand_matrix(block.k_rows, block.k_cols, scale, symmetry, symmetric and symmetry == "symmetric", T)

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours, Side
 from lamella.roles import Floats
 from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent
 from lamella.solve.linear import linear_solver
+
 
 @dataclass
 class PointDerivative:
@@ -44,7 +44,6 @@ def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative
     membrane is stiffer than its bending by 12 (length / thickness)^2, which would spoil a difference. In velocities and
     accelerations forces are linear or nearly so.
     """
-
     r, phi = np.zeros_like(point.u), np.zeros_like(point.lam)
     for side in neighbours.sides:
         there = point
