@@ -79,6 +79,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
         self.matrix, self._adopt = ExactMatrix(equations, self.linear), newton.adopt
+        newton.patience = int(self.linear.pattern.symmetric)  # with secants; a matrix of its own would serve one step alone
         self.derivatives: list[PointDerivative] = []
 
     def restart(self, point: Point) -> None:
