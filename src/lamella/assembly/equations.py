@@ -200,11 +200,12 @@ class Equations:
 
     @cached_property
     def _skew(self) -> SkewProduct:
-        return SkewProduct((*self.model.forces, *self.model.loads), self.matrix.parts)
+        return SkewProduct(self.matrix)
 
-    def skew_part(self, x: Floats) -> Floats:
-        """The product of what the matrix evaluated last leaves out, its skew part, with a vector, shape (n_u,)."""
-        return self._gather(self._skew(self.expand(x)))
+    def skew_part(self) -> SkewProduct:
+        """The product with what the matrix evaluated last leaves out, its skew part; to be used before the next evaluation."""
+        self._skew.look()
+        return self._skew
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.

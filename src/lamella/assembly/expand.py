@@ -30,14 +30,14 @@ class Entries:
 def expand_matrix(rows: Ints, cols: Ints, scale: Floats, symmetry: Symmetry, upper: bool, T: sparse.csr_array) -> Entries:
     """Contributions of a block's tangent entries to K_u.
 
-    A symmetric block lists each pair once, so its off-diagonal entries are mirrored first. When only the upper triangle is
-    wanted, the others give their symmetric part; nearly all entries of a large mesh then stand for one place (:func:`_plain`).
+    A symmetric block lists each pair once, so its off-diagonal entries are mirrored first. When only its upper triangle is
+    wanted, nearly all entries of a large mesh stand for one place (:func:`_plain`).
 
     Args:
         rows, cols: global coordinates of the entries, -1 for padding, shape (n_k,).
         scale: factor of each entry, shape (n_k,).
         symmetry: how the block lists its entries.
-        upper: keep the upper triangle only.
+        upper: keep the upper triangle only, of a symmetric block.
         T: map from independent to all coordinates, (n_q, n_u).
     """
     if symmetry == "symmetric" and upper:
@@ -70,8 +70,6 @@ def _general(
         off = i != j
         i, j = np.concatenate([i, j[off]]), np.concatenate([j, i[off]])
         sources, x = np.concatenate([sources, sources[off]]), np.concatenate([x, x[off]])
-    elif upper:
-        i, j, sources, x = np.concatenate([i, j]), np.concatenate([j, i]), np.tile(sources, 2), np.tile(0.5 * x, 2)
     i, pick, x = _through(i, x, T)
     j, sources = j[pick], sources[pick]
     j, pick, x = _through(j, x, T)

@@ -9,6 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella import threads
+from lamella._jit import shared
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.expand import Entries, expand_matrix, expand_rows
 from lamella.assembly.forces import ForceSum
@@ -17,7 +18,7 @@ from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
-from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
+from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, Symmetry
 
 Block = ForceBlock | ConstraintBlock
 ENTRY = 2e-9
@@ -46,31 +47,18 @@ class MatrixAssembly:
         ends = np.cumsum(sizes, dtype=np.int64)
         self.buffer = np.zeros(int(ends[-1]) if sizes else 0)
         self.parts = [self.buffer[end - size : end] for end, size in zip(ends, sizes, strict=True)]
-        entries = [
-            _shifted(
-                expand_matrix(
-                    block.k_rows,
-                    block.k_cols,
-                    getattr(block, "k_scale", np.ones(size)),
-                    getattr(block, "symmetry", "symmetric"),
-                    symmetric,
-                    T,
-                ),
-                int(end) - size,
-            )
-            for block, size, end in zip(blocks, sizes, ends, strict=True)
-        ]
+        entries = [_entries(block, symmetric, T, int(end) - size) for block, size, end in zip(blocks, sizes, ends, strict=True)]
         mass = model.mass.tocoo()
         reduced_mass = sparse.coo_array(T.T @ mass @ T)
         keep = reduced_mass.row <= reduced_mass.col if symmetric else slice(None)
         diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
         rows = np.concatenate([*(e.rows for e in entries), reduced_mass.row[keep], diagonal])
         cols = np.concatenate([*(e.cols for e in entries), reduced_mass.col[keep], diagonal])
-        places, slots = numbered(rows, cols, n_u)
+        places, slots = numbered(*((np.minimum(rows, cols), np.maximum(rows, cols)) if symmetric else (rows, cols)), n_u)
         n_entries = sum(len(e.rows) for e in entries)
         self._values, self.mass = np.zeros(len(places)), np.zeros(len(places))
         """The matrix, and M alone, in the pattern's order."""
-        self._sum_setup(blocks, entries, slots[:n_entries])
+        self._sum_setup(blocks, entries, slots[:n_entries], symmetric)
         np.add.at(self.mass, slots[n_entries : len(slots) - len(diagonal)], np.asarray(reduced_mass.data, float)[keep])
         self._jacobian_setup(model, T, n_u)
         indptr = np.searchsorted(places, np.arange(n_u + 1) * n_u)
@@ -84,23 +72,33 @@ class MatrixAssembly:
             self._j_pattern.indices.astype(np.int64),
         )
 
-    def _sum_setup(self, blocks: Sequence[Block], entries: Sequence[Entries], slots: Ints) -> None:
-        """The operators that sum the buffer: one for all blocks, and one for each that may leave parts of its tangent out."""
+    def _sum_setup(self, blocks: Sequence[Block], entries: Sequence[Entries], slots: Ints, symmetric: bool) -> None:
+        """The operators that sum the buffer: of what is symmetric, of pairs, and of each block that may leave out parts."""
         starts = np.cumsum([0, *(len(part) for part in self.parts)])
         ends = np.cumsum([len(e.rows) for e in entries])
+        paired = [symmetric and _symmetry(block) != "symmetric" for block in blocks]
         self._bounds = _bounds(sum(len(e.rows) for e in entries), len(self._values))
-        self._partial: list[tuple[ForceBlock, Floats, ScatterSum]] = []
-        places, sources, factors = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
-        for block, e, start, end, part in zip(blocks, entries, starts, ends, self.parts, strict=False):
-            own = slots[end - len(e.rows) : end]
-            if isinstance(block, ForceBlock) and block.k_parts is not None:
-                self._partial.append((block, part, ScatterSum(own, e.sources - start, e.factors, block.k_parts, self._bounds)))
-            else:
-                places.append(own)
-                sources.append(e.sources)
-                factors.append(e.factors)
-        whole = np.concatenate(places), np.concatenate(sources), np.concatenate(factors)
-        self._sum = ScatterSum(*whole, np.array([0, len(self.buffer)]), self._bounds)
+        self._pairs = np.zeros(2 * len(self._values) if any(paired) else 0)
+        """A_ij and A_ji of blocks that are nearly symmetric, side by side in the pattern's order; 2 A_ii, 0 on the diagonal."""
+        self._sums: list[tuple[ForceBlock | None, Floats, ScatterSum, Floats]] = []
+        for pairs, out in ((False, self._values), (True, self._pairs)):
+            bounds = [(1 + pairs) * bound for bound in self._bounds]
+            places, sources, factors = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
+            for block, e, start, end, part, own in zip(blocks, entries, starts, ends, self.parts, paired, strict=False):
+                if own != pairs:
+                    continue
+                at, x = slots[end - len(e.rows) : end], e.factors
+                if pairs:
+                    at, x = 2 * at + (e.rows > e.cols), np.where(e.rows == e.cols, 2.0, 1.0) * x
+                if isinstance(block, ForceBlock) and block.k_parts is not None:
+                    self._sums.append((block, part, ScatterSum(at, e.sources - start, x, block.k_parts, bounds), out))
+                else:
+                    places.append(at)
+                    sources.append(e.sources)
+                    factors.append(x)
+            if len(places) > 1:
+                whole = np.concatenate(places), np.concatenate(sources), np.concatenate(factors)
+                self._sums.append((None, self.buffer, ScatterSum(*whole, np.array([0, len(self.buffer)]), bounds), out))
 
     def _jacobian_setup(self, model: Model, T: sparse.csr_array, n_u: int) -> None:
         offsets = np.cumsum([0, *(block.n_lam for block in model.constraints)])
@@ -157,11 +155,17 @@ class MatrixAssembly:
         threads.run([partial(self._add_range, i, alpha_a) for i in range(len(self._bounds) - 1)])
 
     def _add_range(self, number: int, alpha_a: float) -> None:
-        own = slice(*self._bounds[number : number + 2])
-        np.multiply(self.mass[own], alpha_a, out=self._values[own])
-        self._sum.add(self.buffer, EVERY, self._values, number)
-        for block, part, total in self._partial:
-            total.add(part, block.k_used, self._values, number)
+        first, end = self._bounds[number : number + 2]
+        np.multiply(self.mass[first:end], alpha_a, out=self._values[first:end])
+        self._pairs[2 * first : 2 * end] = 0.0
+        for block, x, total, out in self._sums:
+            total.add(x, EVERY if block is None else block.k_used, out, number)
+        if len(self._pairs):
+            _add_means(self._pairs, first, end, self._values)
+
+    def skew(self) -> Floats:
+        """1/2 (A - A^T), which the symmetric matrix evaluated last leaves out, above the diagonal, in the pattern's order."""
+        return 0.5 * (self._pairs[::2] - self._pairs[1::2])
 
     def jacobian(self, t: float, q: Floats) -> Floats:
         """Values of Phi_q T in the pattern's order."""
@@ -179,5 +183,19 @@ def _bounds(n_entries: int, n_values: int) -> list[int]:
     return [n_values * i // pieces for i in range(pieces + 1)]
 
 
-def _shifted(entries: Entries, start: int) -> Entries:
-    return Entries(entries.rows, entries.cols, entries.sources + start, entries.factors)
+def _symmetry(block: Block) -> Symmetry:
+    return block.symmetry if isinstance(block, ForceBlock) else "symmetric"
+
+
+def _entries(block: Block, symmetric: bool, T: sparse.csr_array, start: int) -> Entries:
+    """Contributions of a block whose buffer begins at ``start``; upper ones alone where block and matrix are symmetric."""
+    symmetry = _symmetry(block)
+    scale = block.k_scale if isinstance(block, ForceBlock) else np.ones(len(block.k_rows))
+    found = expand_matrix(block.k_rows, block.k_cols, scale, symmetry, symmetric and symmetry == "symmetric", T)
+    return Entries(found.rows, found.cols, found.sources + start, found.factors)
+
+
+@shared
+def _add_means(pairs: Floats, first: int, end: int, values: Floats) -> None:
+    for k in range(first, end):
+        values[k] += 0.5 * (pairs[2 * k] + pairs[2 * k + 1])

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
+from numpy.typing import NDArray
 
 from lamella._jit import kernel
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.forces import ForceSum
+from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.point import Point, Weights
 from lamella.model import Model
 from lamella.roles import Floats, ForceBlock, Ints
+
+Unsigned = NDArray[np.uint32]
 
 
 class TangentProduct:
@@ -62,22 +64,25 @@ class TangentProduct:
 
 
 class SkewProduct:
-    """1/2 (A - A^T) x with the tangents in the buffers of an assembly, which leaves this out of its symmetric matrix.
+    """N x with the skew part N of the matrix that an assembly, which keeps the symmetric part alone, has evaluated last.
 
     Args:
-        blocks: all force blocks of the assembly, in its order.
-        parts: their tangent buffers, behind which those of constraints may follow.
+        assembly: of the matrix.
     """
 
-    def __init__(self, blocks: Sequence[ForceBlock], parts: Sequence[Floats]) -> None:
-        self._parts = [pair for pair in zip(blocks, parts, strict=False) if pair[0].symmetry != "symmetric"]
+    def __init__(self, assembly: MatrixAssembly) -> None:
+        self._assembly, pattern = assembly, assembly.pattern
+        # Without sign, so that Numba does not look for negative ones: twice as fast.
+        self._indptr, self._indices = pattern.indptr.astype(np.uint32), pattern.indices.astype(np.uint32)
+
+    def look(self) -> None:
+        """Take the tangents that are in the buffers now."""
+        self._values = self._assembly.skew()
 
     def __call__(self, x: Floats) -> Floats:
-        """The product with a vector in all coordinates, shape (n_q,)."""
+        """The product with a vector, shape (n,)."""
         total = np.zeros_like(x)
-        for block, k in self._parts:
-            _clear_unused(block, k)
-            _add_skew_product(block.k_rows, block.k_cols, block.k_scale, k, x, total)
+        _add_skew_product(self._indptr, self._indices, self._values, x, total)
         return total
 
 
@@ -100,10 +105,11 @@ def _add_product(rows: Ints, cols: Ints, values: Floats, mirrored: bool, x: Floa
 
 
 @kernel
-def _add_skew_product(rows: Ints, cols: Ints, scale: Floats, values: Floats, x: Floats, total: Floats) -> None:
-    for i in range(len(values)):
-        row, col = rows[i], cols[i]
-        if row >= 0 and col >= 0 and row != col:
-            half = 0.5 * scale[i] * values[i]
-            total[row] += half * x[col]
-            total[col] -= half * x[row]
+def _add_skew_product(indptr: Unsigned, indices: Unsigned, values: Floats, x: Floats, total: Floats) -> None:
+    for i in range(len(x)):
+        row, own = 0.0, x[i]
+        for k in range(indptr[i] + 1, indptr[i + 1]):  # behind the diagonal
+            j = indices[k]
+            row += values[k] * x[j]
+            total[j] -= values[k] * own
+        total[i] += row

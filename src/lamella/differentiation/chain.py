@@ -10,11 +10,12 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.contact.block import ContactBlock
+from lamella.differentiation.exact_matrix import ExactMatrix, exact
 from lamella.differentiation.modal import enough_modes, frequency_derivatives
 from lamella.differentiation.motion import DifferentiatedAlpha
 from lamella.differentiation.neighbours import Neighbours, Side
 from lamella.differentiation.signals import SignalDerivatives
-from lamella.differentiation.solution import ExactMatrix, PointDerivative, exact, static_derivatives
+from lamella.differentiation.solution import PointDerivative, static_derivatives
 from lamella.differentiation.statistics import statistic_derivative
 from lamella.errors import ConvergenceError, DeclarationError
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
@@ -25,6 +26,9 @@ from lamella.model import Model
 from lamella.result import Result, Sink
 from lamella.roles import Floats
 from lamella.sweep.outputs import MassOutput, ShapeOutput, SignalOutput, StudyOutput
+
+FEW = 3
+"""Parameters of a motion up to which the products that each takes cost less than a factorisation L U in each step."""
 
 
 @dataclass
@@ -98,7 +102,8 @@ class Chain:
 
         method = DifferentiatedAlpha(analysis.integrator, self.neighbours, start, sample)
         run = replace(analysis, integrator=method)
-        result = self._completed(analysis, run.run(exact(self.equations), self.computed, 1, self.sinks()))
+        equations = self.equations if len(self.neighbours) <= FEW else exact(self.equations)
+        result = self._completed(analysis, run.run(equations, self.computed, 1, self.sinks()))
         point, self.ends[analysis.name] = last[0]
         if others:
             steps = len(signals.at)

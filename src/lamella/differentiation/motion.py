@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
+from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.solution import (
-    ExactMatrix,
     PointDerivative,
     projected_velocities,
     rates_derivative,
@@ -24,6 +25,7 @@ from lamella.integrate.base import Integrator
 from lamella.integrate.generalized_alpha import GeneralizedAlpha, GeneralizedAlphaStepper
 from lamella.integrate.staggered import StaggeredNewton
 from lamella.result import Statistics
+from lamella.roles import Floats
 from lamella.solve.linear import Method
 
 Sample = Callable[[Point, Sequence[PointDerivative]], None]
@@ -77,6 +79,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
         self.matrix, self._adopt = ExactMatrix(equations, self.linear), newton.adopt
+        newton.patience = int(self.linear.pattern.symmetric)  # with secants; a matrix of its own would serve one step alone
         self.derivatives: list[PointDerivative] = []
 
     def restart(self, point: Point) -> None:
@@ -109,21 +112,30 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         weights = self.weights(dt)
         self._adopt(self.matrix.factorise(point, weights), weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
+        shares = (
+            dt,
+            dt**2 * (0.5 - self.beta),
+            dt * (1 - self.gamma),
+            alpha_m / (1 - alpha_f),
+            -alpha_f / (1 - alpha_f),
+            weights.alpha_v,
+            weights.alpha_a,
+        )
         for k, (each, old, a, rule) in enumerate(
             zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
         ):
-            base = old.u + dt * old.ud + dt**2 * (0.5 - self.beta) * a
-            ud0 = old.ud + dt * (1 - self.gamma) * a - weights.alpha_v * base
-            udd0 = (alpha_m * a - alpha_f * old.udd) / (1 - alpha_f) - weights.alpha_a * base
-            value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
-            ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
-            du, dlam = self.matrix.solve(*residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam)))
-            slope = np.concatenate([np.full(n, weights.alpha_v), np.full(len(du) - n, weights.rate)])
-            udd = udd0 + weights.alpha_a * du
-            udd[n:] = 0.0
-            new = PointDerivative(du, ud0 + slope * du, udd, dlam)
-            self._algorithmic[k] = ((1 - alpha_f) * new.udd + alpha_f * old.udd - alpha_m * a) / (1 - alpha_m)
-            rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
+            base, ud0, udd0 = np.empty_like(a), np.empty_like(a), np.empty_like(a)
+            _carried(old.u, old.ud, old.udd, a, *shares, base, ud0, udd0)
+            if n < len(a):
+                value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
+                ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
+            dr, ds = residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam))
+            du, dlam = self.matrix.solve(dr, ds, guess=base)
+            new, a_new = PointDerivative(du, ud0, udd0, dlam), np.empty_like(a)
+            _renewed(du, old.udd, a, n, weights.alpha_v, weights.rate, weights.alpha_a, *self._shares, ud0, udd0, a_new)
+            self._algorithmic[k] = a_new
+            if n < len(a):
+                rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
             self.derivatives[k] = new
         self._take_note(point)
         return point
@@ -132,3 +144,28 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         self.sample(point, self.derivatives)
         for each, derivative in zip(self.neighbours, self.derivatives, strict=True):
             each.settle(point.t, lambda side, known=derivative: side.equations.coordinates(known.moved(point, side.distance)))
+
+
+@njit
+def _carried(
+    u: Floats, ud: Floats, udd: Floats, a: Floats,
+    dt: float, of_q: float, of_v: float, of_a: float, of_old: float, alpha_v: float, alpha_a: float,
+    base: Floats, ud0: Floats, udd0: Floats,
+) -> None:  # fmt: skip
+    """Coordinates q + dt v + of_q a, and what velocities and accelerations would be if the new coordinates were zero."""
+    for i in range(len(u)):
+        base[i] = u[i] + dt * ud[i] + of_q * a[i]
+        ud0[i] = ud[i] + of_v * a[i] - alpha_v * base[i]
+        udd0[i] = of_a * a[i] + of_old * udd[i] - alpha_a * base[i]
+
+
+@njit
+def _renewed(
+    u: Floats, udd_old: Floats, a: Floats, n: int, alpha_v: float, rate: float, alpha_a: float,
+    of_new: float, of_old: float, of_a: float, ud: Floats, udd: Floats, a_new: Floats,
+) -> None:  # fmt: skip
+    """Add to velocities and accelerations what the coordinates, of which ``n`` are of motion, give; the algorithmic ones."""
+    for i in range(len(u)):
+        ud[i] += (alpha_v if i < n else rate) * u[i]
+        udd[i] = udd[i] + alpha_a * u[i] if i < n else 0.0
+        a_new[i] = of_new * udd[i] + of_old * udd_old[i] + of_a * a[i]

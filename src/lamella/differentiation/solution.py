@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamella.assembly.equations import Equations
-from lamella.assembly.point import STATIC, Point, Weights
+from lamella.assembly.point import STATIC, Point
+from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours, Side
-from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
-from lamella.solve.base import LinearSolver
 from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent
 from lamella.solve.linear import linear_solver
-
-ENOUGH = 1e-12
-"""Change of a solution, as a share of it, below which it is repeated no more: some rounding of a substitution."""
-SLOW = 0.3
-"""Shrinking of that change from one repetition to the next above which a factorisation L U costs less."""
-MOST = 20
-"""Repetitions within which ``SLOW`` brings a change to ``ENOUGH``, about."""
 
 
 @dataclass
@@ -46,79 +37,6 @@ class PointDerivative:
         return there
 
 
-class ExactMatrix:
-    """The exact matrix of the equations at a point, factorised.
-
-    Where the equations keep the symmetric part B of A = B + N, it is B that is factorised, and x = B^-1 (b - N x) is repeated. At
-    rest a damper has no N, and one repetition tells; a plate with pressure has little. To lay out A takes as long as many
-    substitutions. Where repetitions do not shrink fast enough, as with dampers that move, A itself is factorised after all.
-
-    Args:
-        equations: of the model.
-        linear: a solver of the equations' pattern that may be used; one is made when left out.
-    """
-
-    def __init__(self, equations: Equations, linear: LinearSolver | None = None) -> None:
-        self.equations = equations
-        self.linear = linear or linear_solver(equations.matrix.pattern)
-        self._per_magnitude = 1.0 / equations.magnitude
-        self._unsymmetric: ExactMatrix | None = None
-        self._at: tuple[Point, Weights] | None = None
-
-    def factorise(self, point: Point, weights: Weights) -> Floats:
-        """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints; the values of the matrix in the pattern's order.
-
-        What is solved next must be solved before the equations' matrix is evaluated anew.
-
-        Raises:
-            ModelError: it is singular, so that the solution is not differentiable.
-        """
-        self._at = point, weights
-        k, j = self.equations.exact_matrix(point, weights)
-        try:
-            self.linear.factorise(k, j)
-        except SingularSystemError as error:
-            what = str(error) if error.index is None else self.equations.free(error.index)
-            raise ModelError(f"gradient: the matrix of the solution is singular, so that it has no derivative: {what}") from error
-        return k
-
-    def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
-        """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for."""
-        x, y = self.linear.solve(-r, -s)
-        if self.equations.is_exact:
-            return x, y
-        last = np.inf
-        for _ in range(MOST):
-            before = x
-            x, y = self.linear.solve(-r - self.equations.skew_part(x), -s)
-            change = self._size(x - before)
-            if change <= ENOUGH * self._size(x):
-                return x, y
-            if change > SLOW * last:
-                break
-            last = change
-        if self._unsymmetric is None:
-            self._unsymmetric = ExactMatrix(exact(self.equations))
-        assert self._at is not None, "solve follows a factorisation"
-        if self._unsymmetric._at != self._at:
-            self._unsymmetric.factorise(*self._at)
-        return self._unsymmetric.solve(r, s)
-
-    def stiffness(self, point: Point) -> Callable[[Floats], Floats]:
-        """The product with K at a point; to be used before the equations' matrix is evaluated anew."""
-        equations = self.equations
-        K = equations.matrix.pattern.matrix(equations.exact_matrix(point, STATIC)[0].copy())
-        return (lambda x: K @ x) if equations.is_exact else lambda x: K @ x + equations.skew_part(x)
-
-    def _size(self, x: Floats) -> float:
-        return float(np.abs(x * self._per_magnitude).max(initial=0.0))
-
-
-def exact(equations: Equations) -> Equations:
-    """The same equations with their exact matrix: unsymmetric where a block is only nearly symmetric."""
-    return equations if equations.is_exact else Equations(equations.model, symmetric=False, like=equations)
-
-
 def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative | None = None) -> tuple[Floats, Floats]:
     """Derivatives of r and Phi by the parameter with u and lam as they are, and velocities and accelerations that follow ``x``.
 
@@ -126,16 +44,15 @@ def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative
     membrane is stiffer than its bending by 12 (length / thickness)^2, which would spoil a difference. In velocities and
     accelerations forces are linear or nearly so.
     """
-
-    def evaluate(side: Side) -> Floats:
+    r, phi = np.zeros_like(point.u), np.zeros_like(point.lam)
+    for side in neighbours.sides:
         there = point
         if x is not None:
-            ud, udd = point.ud + side.distance * x.ud, point.udd + side.distance * x.udd
-            there = Point(point.t, point.u, ud, udd, point.lam, point.factor)
-        return np.concatenate(side.equations.residual(there))
-
-    found = neighbours.difference(evaluate)
-    return found[: len(point.u)], found[len(point.u) :]
+            ud = point.ud + side.distance * x.ud if side.equations.depends_on_velocity else point.ud
+            there = Point(point.t, point.u, ud, point.udd + side.distance * x.udd, point.lam, point.factor)
+        for total, part in zip((r, phi), side.equations.residual(there), strict=True):
+            total += side.weight * part
+    return r, phi
 
 
 def static_derivatives(matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours]) -> list[PointDerivative]:

@@ -26,6 +26,8 @@ PATIENCE = 24
 """Iterations within which a kept factorisation must promise to reach the tolerance."""
 SMALLEST = 1e-14
 """Errors below this need no correction."""
+GROWTH = 3.0
+"""Growth of a correction that is borne with where there is patience: secants make up for it. At 1.5 it takes as long."""
 HALVINGS = 5
 """Halvings of a correction in one line search."""
 
@@ -106,12 +108,16 @@ class NewtonSolver:
         linear: solver of the linear systems.
         options: tolerances.
         statistics: counts the work.
+
+    Attributes:
+        patience: slow iterations in a row that are borne with before a factorisation is given up.
     """
 
     def __init__(self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
         self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
         self._factored_for: Weights | None = None
         self._age, self._short_lived = 0, False
+        self.patience, self._slow = 0, 0
         self._per_magnitude = 1.0 / equations.magnitude
         if linear.pattern.symmetric:
             self._corrections: SecantCorrections | BroydenCorrections = SecantCorrections(linear)
@@ -143,6 +149,7 @@ class NewtonSolver:
         last = size = np.inf
         self._corrections.forget()
         self._age += 1
+        self._slow = 0
         iteration, renewed = 0, False
         for iteration in range(self.options.max_iterations):
             fresh = self._factored_for != weights
@@ -208,10 +215,12 @@ class NewtonSolver:
         return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
 
     def _promising(self, size: float, contraction: float, goal: float) -> bool:
-        """Whether the present factorisation contracts well enough to end the iteration soon."""
-        if contraction > self.options.keep:
-            return False
-        return size * contraction**PATIENCE <= goal
+        """Whether the present factorisation contracts well enough to end the iteration soon, or is given time."""
+        if contraction <= self.options.keep and size * contraction**PATIENCE <= goal:
+            self._slow = 0
+            return True
+        self._slow += 1
+        return self._slow <= self.patience and contraction < GROWTH
 
     def _small_enough(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the estimated error is within the tolerance, or the correction is rounding, which shrinks no further."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from lamella.roles import Ints
@@ -24,13 +26,19 @@ def _pair_entries(c: int, d: int, upper: bool) -> list[tuple[int, int]]:
     ]
 
 
+@cache
 def upper_entries() -> tuple[Ints, Ints]:
     """Rows and columns (a, b, component) of the 1176 entries of a symmetric element matrix, each pair once."""
-    rows, columns = np.array([entry for c, d in PAIRS for entry in _pair_entries(c, d, c == d)]).T
-    return np.ascontiguousarray(rows), np.ascontiguousarray(columns)
+    return _columns([entry for c, d in PAIRS for entry in _pair_entries(c, d, c == d)])
 
 
+@cache
 def all_entries() -> tuple[Ints, Ints]:
     """Rows and columns (a, b, component) of all 2304 entries of an element matrix."""
-    rows, columns = np.array([entry for c, d in ALL_PAIRS for entry in _pair_entries(c, d, False)]).T
-    return np.ascontiguousarray(rows), np.ascontiguousarray(columns)
+    return _columns([entry for c, d in ALL_PAIRS for entry in _pair_entries(c, d, False)])
+
+
+def _columns(entries: list[tuple[int, int]]) -> tuple[Ints, Ints]:
+    rows, columns = np.ascontiguousarray(np.array(entries).T)
+    rows.flags.writeable = columns.flags.writeable = False  # all who ask share them
+    return rows, columns

@@ -9,7 +9,7 @@ import numpy as np
 from lamella.element.block import ElementBlock, Range
 from lamella.element.packing import packed
 from lamella.element.plate48.section import Curvature, Section
-from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order
+from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order, shape_at_gauss_points
 from lamella.element.plate48.strain import Cubed
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import ModelError
@@ -62,8 +62,9 @@ class GaussTables:
     """
 
     def __init__(self, block: Plate48Block, section: Section, n_gauss: int) -> None:
-        xi, eta, weights = gauss_points(n_gauss)
-        surface = reference_surface(block.name, derivatives_at_points(Plate48().shape(xi, eta), block.rest), section.direction)
+        weights = gauss_points(n_gauss)[2]
+        at_points = derivatives_at_points(shape_at_gauss_points(n_gauss), block.rest)
+        surface = reference_surface(block.name, at_points, section.direction)
         self.cubed: Cubed = section.cubed
         self.transform = surface.strain_transform(self.cubed)
         factor = (weights * surface.area)[..., None, None]

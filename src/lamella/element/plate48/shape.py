@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import ClassVar
 
 import numpy as np
@@ -47,6 +48,14 @@ def gauss_points(n: int) -> tuple[Floats, Floats, Floats]:
     """
     points, weights = gauss_rule(n)
     return np.tile(points, n), np.repeat(points, n), (weights[:, None] * weights[None, :]).reshape(-1)
+
+
+@cache
+def shape_at_gauss_points(n: int) -> Floats:
+    """Shape functions and derivatives at the points of the n x n Gauss rule, see :meth:`ElementSpec.shape`."""
+    found = Plate48().shape(*gauss_points(n)[:2])
+    found.flags.writeable = False  # all who ask share it
+    return found
 
 
 def hermite_table(n: int) -> Floats:
