@@ -12,6 +12,7 @@ import stand_in
 import lamella as lm
 from lamella.body.shape import FACETS
 from lamella.errors import ResultFileError
+from lamella.io import vtk
 from lamella.io.vtk import quadrilaterals, write_vtkhdf
 from lamella.viz.fields import FIELDS, HEAT, SurfaceSampler
 
@@ -41,8 +42,12 @@ class Reader:
         return grid, {name: vtk_to_numpy(data.GetArray(name)).copy() for name in names}
 
 
-@pytest.mark.parametrize("plates", [1, 2])
-def test_reader_finds_points_and_fields_of_each_frame(tmp_path: Path, plates: int) -> None:
+@pytest.mark.parametrize(("plates", "together"), [(1, 16), (2, 4)])
+def test_reader_finds_points_and_fields_of_each_frame(
+    tmp_path: Path, plates: int, together: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether all frames are written at once or the last two by themselves."""
+    monkeypatch.setattr(vtk, "TOGETHER", together)
     result = stand_in.result(plates, **stand_in.STRONG)
     reader = Reader(write_vtkhdf(result, tmp_path / "run.vtkhdf", per_element=2))
     np.testing.assert_array_equal(reader.times, result.frame_at)

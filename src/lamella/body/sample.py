@@ -59,7 +59,7 @@ class PlateSample:
         R = (N, M) are the section forces, of strains less thermal strains, and C = [[A, -B], [-B, D]].
         """
         forces = section_forces(self.laminate, *self._of_section)
-        strains = np.linalg.solve(self.laminate.stiffness, forces[..., None])[..., 0]
+        strains = np.linalg.solve(self.laminate.stiffness, forces.reshape(-1, 6).T).T.reshape(forces.shape)
         return 0.5 * np.asarray(self.thickness_factors, float) * np.sum(forces * strains, axis=-1)
 
     def stress(self, ply: int, surface: Surface = "middle", axes: Axes = "element") -> Floats:

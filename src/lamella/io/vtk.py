@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 VERSION = (2, 0)
 VTK_TRIANGLE, VTK_QUAD = 5, 9
 OWNERS = ("plate", "rigid_body")
+TOGETHER = 16
+"""Frames that are handed to HDF5 at once, whose calls take longer than the numbers of one frame."""
 PACKED: dict[str, Any] = {"dtype": "f4", "compression": "gzip", "compression_opts": 4, "shuffle": True}
 
 
@@ -83,16 +85,23 @@ def _write(group: Node, result: Result, per_element: int, fields: list[SurfaceFi
     n_points = _write_topology(group, plates.at(0), bodies.at(0))
     points = _create_array(group, "Points", 3, n_frames, n_points)
     data = group.create_group("PointData")
-    arrays = {field.name: _create_field(data, field, n_frames, n_points) for field in fields}
-    for frame in range(n_frames):
-        shots, solids = plates.at(frame), bodies.at(frame)
-        rows = slice(frame * n_points, (frame + 1) * n_points)
-        points[rows] = np.concatenate([*(shot.now.r.reshape(-1, 3) for shot in shots), *(solid.points for solid in solids)])
-        for field in fields:
-            values = [field.evaluate(shot).reshape(shot.now.r.shape[0] * shot.now.r.shape[1], -1) for shot in shots]
-            column = np.concatenate([*values, *(_on_solid(field, solid) for solid in solids)])
-            arrays[field.name][rows] = column if field.labels else column[:, 0]
+    arrays = [points, *(_create_field(data, field, n_frames, n_points) for field in fields)]
+    for first in range(0, n_frames, TOGETHER):
+        frames = range(first, min(first + TOGETHER, n_frames))
+        found = [_columns(plates.at(frame), bodies.at(frame), fields) for frame in frames]
+        for array, columns in zip(arrays, zip(*found, strict=True), strict=True):
+            array[first * n_points : frames.stop * n_points] = np.concatenate(columns)
     _write_steps(group, result.frame_at, n_points, fields)
+
+
+def _columns(shots: list[Snapshot], solids: list[SolidShot], fields: list[SurfaceField]) -> list[Floats]:
+    """Points and fields of a frame, shapes (n_points, 3), (n_points,) or (n_points, components)."""
+    columns = [np.concatenate([*(shot.now.r.reshape(-1, 3) for shot in shots), *(solid.points for solid in solids)])]
+    for field in fields:
+        values = [field.evaluate(shot).reshape(shot.now.r.shape[0] * shot.now.r.shape[1], -1) for shot in shots]
+        column = np.concatenate([*values, *(_on_solid(field, solid) for solid in solids)])
+        columns.append(column if field.labels else column[:, 0])
+    return columns
 
 
 def _on_solid(field: SurfaceField, solid: SolidShot) -> Floats:
