@@ -331,7 +331,7 @@ def test_a_killed_worker_does_not_lose_the_study(study: Path, tmp_path: Path, mo
 
 
 def test_workers_that_always_die_are_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(lamella.sweep.local, "_prepare", os.abort)
+    monkeypatch.setattr(lamella.sweep.local, "_prepare", os._exit)
     with pytest.raises(WorkerError, match=r"__main__"), LocalWorkers(1, print):
         pass
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -71,7 +72,7 @@ class Worker:
                 os.kill(self._first.result(), signal.SIGTERM)
 
     def _start(self) -> None:
-        self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _prepare)
+        self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _prepare, gc.get_threshold()[:1])
         self._first = self._pool.submit(ready)
 
 
@@ -140,8 +141,9 @@ class LocalWorkers:
         yield from ended
 
 
-def _prepare() -> None:
-    """In a new worker: leave Ctrl-C to the study's own process, and end when that one has ended."""
+def _prepare(allocations: int) -> None:
+    """In a new worker: leave Ctrl-C to the study's own process, end when that one has ended, and collect garbage as it does."""
+    gc.set_threshold(allocations)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
