@@ -20,11 +20,16 @@ CONFIG = ConfigDict(extra="forbid", arbitrary_types_allowed=True, validate_defau
 """Validators are built when the first one of a kind is declared: a model needs a fifth of all kinds."""
 
 
+KINDS: list[type] = []
+"""All declarations that are known so far."""
+
+
 @dataclass_transform(frozen_default=True, field_specifiers=(Field,))
 def declaration(cls: type[C]) -> type[C]:
     """Make ``cls`` a frozen, validated dataclass that raises :class:`DeclarationError` for impossible values."""
     made = dataclass(frozen=True, config=CONFIG)(cls)
     made.__init__ = _clear_errors(made)  # type: ignore[method-assign]
+    KINDS.append(made)
     return made  # type: ignore[return-value]
 
 

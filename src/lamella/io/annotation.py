@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
-from lamella.declaration import given_fields
+from lamella.declaration import KINDS, given_fields
 from lamella.roles import Declaration
 
 PLACES = (Marker, Edge)
@@ -101,6 +101,12 @@ def tag_of(cls: type) -> tuple[str, str]:
 
 def options(annotation: Any) -> Options:
     """Sort the alternatives of an annotation."""
+    return _options(annotation, len(KINDS))
+
+
+@cache
+def _options(annotation: Any, n_kinds: int) -> Options:
+    """The same, kept while there are as many declarations."""
     classes: list[type] = []
     places: list[type] = []
     references: list[type] = []

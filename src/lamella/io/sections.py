@@ -11,6 +11,7 @@ from typing import Any, get_args
 import lamella
 import lamella.io.linear_analysis
 import lamella.io.static_analysis
+from lamella.declaration import KINDS
 from lamella.io.analysis import Analysis, Output
 from lamella.io.annotation import concrete, in_files
 from lamella.material.isotropic import Isotropic
@@ -45,7 +46,13 @@ class Section:
     def classes(self) -> tuple[type, ...]:
         """The declarations accepted."""
         _import_catalogue()
-        return tuple(cls for base in self.bases for cls in concrete(base) if in_files(cls))
+        return _accepted(self.bases, len(KINDS))
+
+
+@cache
+def _accepted(bases: tuple[type, ...], n_kinds: int) -> tuple[type, ...]:
+    """The declarations accepted, kept while there are as many in all."""
+    return tuple(cls for base in bases for cls in concrete(base) if in_files(cls))
 
 
 SECTIONS = {
