@@ -1,4 +1,4 @@
-"""Quantities that have been read before, kept in the user's cache: a start that needs no Pint is 0.4 s shorter."""
+"""Quantities that have been read before, kept in a file: a start that needs no Pint is 0.4 s shorter."""
 
 from __future__ import annotations
 
@@ -6,10 +6,7 @@ import atexit
 import json
 import os
 from contextlib import suppress
-from importlib.metadata import version
 from pathlib import Path
-
-from platformdirs import user_cache_path
 
 MOST = 5000
 """Quantities in the file; when there are more, it begins anew."""
@@ -21,11 +18,11 @@ class Remembered:
     A file that cannot be read or written only costs time: Pint reads the texts again.
 
     Args:
-        path: the file; that of this version of Pint in the user's cache when left out.
+        path: the file.
     """
 
-    def __init__(self, path: Path | None = None) -> None:
-        self.path = path or user_cache_path("lamella") / f"quantities-{version('pint')}.json"
+    def __init__(self, path: Path) -> None:
+        self.path = path
         self._values = self._read()
         self._changed = False
 

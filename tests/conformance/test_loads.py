@@ -157,6 +157,18 @@ def test_every_load_of_the_package_has_a_case():
 
 
 @pytest.mark.parametrize("name", LOADS)
+def test_a_load_whose_profile_is_zero_clears_its_buffers(name):
+    case = Case(name)
+    f, k = np.full(len(case.block.f_coords), np.nan), np.full(len(case.block.k_rows), np.nan)
+    case.block.force_tangent(0.0, case.q, case.zero, 1.0, 0.3, case.q, f, k)
+    assert not f.any()
+    assert not k.any()
+    f[:] = np.nan
+    case.block.force(0.0, case.q, case.zero, f)
+    assert not f.any()
+
+
+@pytest.mark.parametrize("name", LOADS)
 def test_tangent_is_the_derivative_of_the_force(name):
     case = Case(name)
     f, K = case.f_q(case.q, alpha_q=0.7)

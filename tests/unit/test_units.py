@@ -101,6 +101,15 @@ def test_types_tell_their_unit() -> None:
     assert TypeAdapter(Length).json_schema()["unit"] == "m"
 
 
+@pytest.fixture(autouse=True)
+def nothing_is_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each test has Pint read its quantities, whatever an earlier run has left in the cache."""
+    known = Remembered(tmp_path / "empty.json")
+    monkeypatch.setattr(known, "write", lambda: None)
+    monkeypatch.setattr(units, "_remembered", lambda: known)
+    units._parse.cache_clear()
+
+
 @pytest.mark.parametrize("spoiled", [False, True])
 def test_the_cache_of_units_is_never_needed(spoiled: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(units, "user_cache_path", lambda name: tmp_path / name)
@@ -146,3 +155,16 @@ def test_quantities_that_cannot_be_kept_are_read_again(tmp_path: Path, monkeypat
     monkeypatch.setattr("os.replace", lambda *paths: (_ for _ in ()).throw(OSError("no space left on device")))
     kept.write()
     assert [file.name for file in tmp_path.iterdir()] == ["folder"]
+
+
+def test_other_sources_remember_other_quantities(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mistake that is mended must not live on in the cache."""
+    monkeypatch.undo()
+    now = units._remembered.__wrapped__().path
+    copy = tmp_path / "units.py"
+    copy.write_bytes(Path(units.__file__).read_bytes() + b"\n")
+    monkeypatch.setattr(units, "__file__", str(copy))
+    assert units._remembered.__wrapped__().path != now
+    monkeypatch.setattr(units, "version", lambda name: "0.0")
+    monkeypatch.setattr(units, "__file__", units.__spec__.origin)
+    assert units._remembered.__wrapped__().path != now
