@@ -99,9 +99,8 @@ class Model:
     @cached_property
     def mass(self) -> sparse.csr_array:
         """The constant mass matrix M, sparse (n_q, n_q)."""
-        shape = self.n_q, self.n_q
-        parts = [sparse.coo_array((m, (i, j)), shape=shape) for i, j, m in (block.mass() for block in self.inertias)]
-        return sparse.csr_array(sum(parts, start=sparse.coo_array(shape)))
+        rows, columns, values = (np.concatenate(part) for part in zip(*(block.mass() for block in self.inertias), strict=True))
+        return sparse.csr_array(sparse.coo_array((values, (rows, columns)), shape=(self.n_q, self.n_q)))
 
     @property
     def n_q(self) -> int:

@@ -60,7 +60,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     side = np.array([support.side in (None, owner) for owner in model.owners])
     vectors = np.array([k for k in np.unique(touched) if side[k]], dtype=np.int64)
     coords = (3 * vectors[:, None] + np.arange(3)).reshape(-1)
-    forces_of, held = equations.elimination.forces_of(own), SumOperator(transposed[coords])
+    forces_of, held = equations.elimination.forces_of(own), SumOperator.of(transposed[coords])
     weights, centre = model.is_position[vectors].astype(float), support.centre
     entries = np.empty(0 if dots is None else len(dots.j_cols))
     place = np.full(model.n_q, len(coords))  # what acts on the other side is left behind

@@ -9,7 +9,7 @@ from scipy import sparse
 import lamella as lm
 from lamella.assembly.equations import Equations
 from lamella.assembly.expand import expand_matrix
-from lamella.assembly.operator import ScatterSum
+from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.point import STATIC, Weights
 from lamella.load.dead import DeadLoadBlock
 
@@ -245,6 +245,16 @@ def test_scatter_sum_looks_at_the_parts_in_use_alone():
     x, y = np.array([1.0, 2.0, np.nan, np.nan, 5.0, 6.0]), np.ones(3)
     operator.add(x, np.array([True, False, True]), y)
     np.testing.assert_array_equal(y, [2.0, -1.0, 1.0 + 12.0 + 15.0])
+
+
+def test_sums_of_any_length_are_those_of_the_matrix():
+    """Rows of no, one, two, three and four entries, one of them listed twice, as a list and as a matrix."""
+    targets, sources = np.array([4, 1, 2, 2, 4, 3, 3, 3, 4, 4, 4]), np.array([0, 2, 1, 1, 3, 0, 1, 2, 2, 1, 5])
+    factors = np.arange(1.0, 12.0)
+    E, x = np.zeros((5, 6)), np.random.default_rng(0).standard_normal(6)
+    np.add.at(E, (targets, sources), factors)
+    for operator in (SumOperator(targets, sources, factors, 5), SumOperator.of(sparse.csr_array(E))):
+        np.testing.assert_allclose(operator(x), E @ x, rtol=1e-15)
 
 
 @pytest.mark.parametrize("upper", [True, False])

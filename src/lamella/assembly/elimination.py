@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from functools import cached_property
 from heapq import heapify, heappop, heappush
+from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
 from lamella.assembly.operator import SumOperator
+from lamella.assembly.pattern_kernels import sorted_by
 from lamella.dofs import LinearRow, Motion
 from lamella.errors import ConstraintError
 from lamella.roles import Floats, Ints
@@ -47,13 +50,19 @@ class Elimination:
     def __init__(self, T: sparse.csr_array, dependent: Ints, rows: Sequence[LinearRow], kept: Sequence[int]) -> None:
         self.n_q = n_q = len(T.indptr) - 1
         self.T, self.kept, self.dependent = T, tuple(kept), dependent
-        self.independent = np.setdiff1d(np.arange(n_q), dependent)
-        self.C = C = _stacked([rows[number] for number in kept], n_q)
+        free = np.ones(n_q, bool)
+        free[dependent] = False
+        self.independent = np.flatnonzero(free)
         self._form = _form(rows)
+        self.C = _stacked(self._form, self.kept, n_q)
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
-        self._inverse = linalg.splu(sparse.csc_array(C[:, dependent])) if kept else None
-        self._gram = linalg.splu(sparse.csc_array(C @ C.T)) if kept else None
+        self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent])) if kept else None
         self._take(rows)
+
+    @cached_property
+    def _gram(self) -> linalg.SuperLU | None:
+        """The factorised C C^T; reactions alone ask for it."""
+        return linalg.splu(sparse.csc_array(self.C @ self.C.T)) if self.kept else None
 
     def _take(self, rows: Sequence[LinearRow]) -> None:
         self.rows = tuple(rows[number] for number in self.kept)
@@ -153,7 +162,7 @@ class Elimination:
         found = sparse.csr_array(sparse.vstack(parts))
         if found.nnz > gram.nnz + self.C.nnz and len(rows) > FEW:
             return lambda reaction: self.row_forces(reaction)[rows]
-        return SumOperator(found)
+        return SumOperator.of(found)
 
 
 def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = None) -> Elimination:
@@ -177,8 +186,9 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
     resolved: dict[int, Expression] = {}
     kept: list[int] = []
     first = frozenset(() if like is None else like.dependent.tolist())
-    for number, row in enumerate(rows):
-        terms = _substitute(row, solved, order, resolved)
+    starts, coords, coefs = (part.tolist() for part in _form(rows))
+    for number, (start, end) in enumerate(pairwise(starts)):
+        terms = _substitute(coords[start:end], coefs[start:end], solved, order, resolved)
         if not terms:
             continue
         kept.append(number)
@@ -194,18 +204,22 @@ Expression = dict[int, float]
 
 
 def _substitute(
-    row: LinearRow, solved: dict[int, Expression], order: dict[int, int], resolved: dict[int, Expression]
+    coords: Sequence[int],
+    coefs: Sequence[float],
+    solved: dict[int, Expression],
+    order: dict[int, int],
+    resolved: dict[int, Expression],
 ) -> Expression:
     """The coefficients of a row, free of dependent coordinates.
 
     Args:
-        row: the row.
+        coords, coefs: the row.
         solved: the dependent coordinates, as they became dependent.
         order: when they did.
         resolved: those that rows have asked for, as they are now.
     """
     terms: Expression = {}
-    for coordinate, coefficient in zip(row.coords.tolist(), row.coefs.tolist(), strict=True):
+    for coordinate, coefficient in zip(coords, coefs, strict=True):
         if coordinate in solved:
             if coordinate not in resolved:
                 resolved[coordinate] = dict(solved[coordinate])
@@ -213,8 +227,8 @@ def _substitute(
             _add(terms, coefficient, resolved[coordinate])
         else:
             terms[coordinate] = terms.get(coordinate, 0.0) + coefficient
-    largest = float(np.abs(row.coefs).max())
-    return {c: x for c, x in terms.items() if abs(x) > NEGLIGIBLE * largest}
+    negligible = NEGLIGIBLE * max(map(abs, coefs))
+    return {c: x for c, x in terms.items() if abs(x) > negligible}
 
 
 def _resolve(terms: Expression, solved: dict[int, Expression], order: dict[int, int]) -> None:
@@ -237,19 +251,27 @@ def _add(total: Expression, factor: float, part: Expression) -> None:
 
 def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> sparse.csr_array:
     """T from q_d = L q_d + B u for the dependent coordinates, with L strictly triangular: q_d = (1 - L)^-1 B u."""
-    independent = np.array([c for c in range(n_q) if c not in solved], dtype=np.int64)
-    n_d, n_u = len(solved), len(independent)
+    dependent, n_d, n_u = np.array(list(order), dtype=np.int64), len(order), n_q - len(order)
+    free = np.ones(n_q, bool)
+    free[dependent] = False
     place = np.empty(n_q, dtype=np.int64)
-    place[independent] = np.arange(n_u)
-    place[list(order)] = n_u + np.arange(n_d)
-    rows = np.repeat(np.arange(n_d), [len(terms) for terms in solved.values()])
-    cols = place[[c for terms in solved.values() for c in terms]]
+    place[free], place[dependent] = np.arange(n_u), n_u + np.arange(n_d)
+    counts = np.array([len(terms) for terms in solved.values()], dtype=np.int64)
+    cols = place[np.array([c for terms in solved.values() for c in terms], dtype=np.int64)]
     values = np.array([x for terms in solved.values() for x in terms.values()], float)
-    both = sparse.csr_array(sparse.coo_array((values, (rows, cols)), shape=(n_d, n_u + n_d)))
-    B, L = sparse.csr_array(both[:, :n_u]), sparse.csr_array(both[:, n_u:])
-    while L.nnz:  # (1 - L)^-1 = ... (1 + L^4) (1 + L^2) (1 + L), since a power of L vanishes
-        B, L = sparse.csr_array(B + L @ B), sparse.csr_array(L @ L)
-    return sparse.csr_array(sparse.csr_array(sparse.vstack([sparse.eye_array(n_u), B]))[place])
+    if np.any(cols >= n_u):
+        rows = np.repeat(np.arange(n_d), counts)
+        both = sparse.csr_array(sparse.coo_array((values, (rows, cols)), shape=(n_d, n_u + n_d)))
+        B, L = sparse.csr_array(both[:, :n_u]), sparse.csr_array(both[:, n_u:])
+        while L.nnz:  # (1 - L)^-1 = ... (1 + L^4) (1 + L^2) (1 + L), since a power of L vanishes
+            B, L = sparse.csr_array(B + L @ B), sparse.csr_array(L @ L)
+        counts, cols, values = np.diff(B.indptr), B.indices, B.data
+    every = np.concatenate([np.flatnonzero(free), np.repeat(dependent, counts)])
+    by_row, ends = sorted_by(every, n_q)
+    data, indices = np.concatenate([np.ones(n_u), values]), np.concatenate([np.arange(n_u), cols])
+    T = sparse.csr_array((data[by_row], indices[by_row], np.concatenate([[0], ends[:n_q]])), shape=(n_q, n_u))
+    T.sort_indices()
+    return T
 
 
 def _form(rows: Sequence[LinearRow]) -> tuple[Ints, Ints, Floats]:
@@ -260,10 +282,12 @@ def _form(rows: Sequence[LinearRow]) -> tuple[Ints, Ints, Floats]:
     return starts, coords, coefs
 
 
-def _stacked(rows: Sequence[LinearRow], n_q: int) -> sparse.csr_array:
-    """Their coefficients, shape (n, n_q)."""
-    starts, coords, coefs = _form(rows)
-    found = sparse.csr_array((coefs, coords, starts), shape=(len(rows), n_q))
+def _stacked(form: tuple[Ints, Ints, Floats], kept: Sequence[int], n_q: int) -> sparse.csr_array:
+    """The coefficients of the rows kept, shape (n, n_q)."""
+    starts, coords, coefs = form
+    found = sparse.csr_array((coefs, coords, starts), shape=(len(starts) - 1, n_q), copy=True)
+    if len(kept) < len(starts) - 1:
+        found = found[list(kept)]
     found.sum_duplicates()
     return found
 

@@ -55,10 +55,10 @@ class Equations:
         blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
-        self.expand = known.expand if known else SumOperator(T)
-        self._gather = known._gather if known else SumOperator(sparse.csr_array(T.T))
+        self.expand = known.expand if known else SumOperator.of(T)
+        self._gather = known._gather if known else SumOperator.of(T.T)
         self._fixed = self.elimination.particular(self.elimination.constant)
-        self._source = SumOperator(self.elimination.of_motions)
+        self._source = SumOperator.of(self.elimination.of_motions)
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = lru_cache(4)(self._moved_at), lru_cache(4)(self._carried_at)
         self._row_size = np.zeros(0)

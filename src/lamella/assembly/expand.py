@@ -70,9 +70,9 @@ def _general(
         off = i != j
         i, j = np.concatenate([i, j[off]]), np.concatenate([j, i[off]])
         sources, x = np.concatenate([sources, sources[off]]), np.concatenate([x, x[off]])
-    i, pick, x = _through(i, x, T)
+    i, pick, x = through(i, x, T)
     j, sources = j[pick], sources[pick]
-    j, pick, x = _through(j, x, T)
+    j, pick, x = through(j, x, T)
     i, sources = i[pick], sources[pick]
     if upper:
         keep = i <= j
@@ -82,11 +82,11 @@ def _general(
 
 def expand_rows(rows: Ints, cols: Ints, T: sparse.csr_array) -> Entries:
     """Contributions of constraint Jacobian entries to Phi_q T."""
-    j, pick, x = _through(cols, np.ones(len(cols)), T)
+    j, pick, x = through(cols, np.ones(len(cols)), T)
     return Entries(rows[pick], j, pick, x)
 
 
-def _through(coords: Ints, factors: Floats, T: sparse.csr_array) -> tuple[Ints, Ints, Floats]:
+def through(coords: Ints, factors: Floats, T: sparse.csr_array) -> tuple[Ints, Ints, Floats]:
     """Replace each coordinate by the independent ones it depends on.
 
     Returns:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import sparse
 
+from lamella.assembly.expand import through
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Weights
 from lamella.roles import Floats, ForceBlock
@@ -42,9 +43,11 @@ class ForceSum:
             self._sum, self._reduce = like._sum, like._reduce
             return
         used = np.flatnonzero(coords >= 0)
-        entries = sparse.coo_array((factors[used], (coords[used], used)), shape=(n_q, len(self.buffer)))
-        self._sum = SumOperator(entries)
-        self._reduce = self._sum if T is None else SumOperator(T.T @ entries.tocsr())
+        self._sum = self._reduce = SumOperator(coords[used], used, factors[used], n_q)
+        if T is not None:
+            independent, pick, shares = through(coords[used], factors[used], T)
+            n_u = int(T.indices.max(initial=-1)) + 1  # each independent coordinate is one of all, so the last has an entry
+            self._reduce = SumOperator(independent, used[pick], shares, n_u)
 
     def evaluate(self, t: float, q: Floats, v: Floats) -> None:
         """Let all blocks write their parts of the buffer."""

@@ -48,28 +48,27 @@ class MatrixAssembly:
         self.buffer = np.zeros(int(ends[-1]) if sizes else 0)
         self.parts = [self.buffer[end - size : end] for end, size in zip(ends, sizes, strict=True)]
         entries = [_entries(block, symmetric, T, int(end) - size) for block, size, end in zip(blocks, sizes, ends, strict=True)]
-        mass = model.mass.tocoo()
-        reduced_mass = sparse.coo_array(T.T @ mass @ T)
-        keep = reduced_mass.row <= reduced_mass.col if symmetric else slice(None)
+        inertia = _inertia(model.mass, symmetric, T)
         diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
-        rows = np.concatenate([*(e.rows for e in entries), reduced_mass.row[keep], diagonal])
-        cols = np.concatenate([*(e.cols for e in entries), reduced_mass.col[keep], diagonal])
-        places, slots = numbered(*((np.minimum(rows, cols), np.maximum(rows, cols)) if symmetric else (rows, cols)), n_u)
+        rows = np.concatenate([*(e.rows for e in entries), inertia.rows, diagonal])
+        cols = np.concatenate([*(e.cols for e in entries), inertia.cols, diagonal])
+        indptr, indices, slots = numbered(
+            *((np.minimum(rows, cols), np.maximum(rows, cols)) if symmetric else (rows, cols)), n_u, n_u
+        )
         n_entries = sum(len(e.rows) for e in entries)
-        self._values, self.mass = np.zeros(len(places)), np.zeros(len(places))
-        """The matrix, and M alone, in the pattern's order."""
+        self._values = np.zeros(len(indices))
+        """The matrix and, below, M alone in the pattern's order."""
+        self.mass = np.bincount(slots[n_entries : len(slots) - n_u], inertia.factors, minlength=len(indices))
         self._sum_setup(blocks, entries, slots[:n_entries], symmetric)
-        np.add.at(self.mass, slots[n_entries : len(slots) - len(diagonal)], np.asarray(reduced_mass.data, float)[keep])
-        self._jacobian_setup(model, T, n_u)
-        indptr = np.searchsorted(places, np.arange(n_u + 1) * n_u)
+        j_indptr, j_indices = self._jacobian_setup(model, T, n_u)
         self.pattern = Pattern(
             n_u,
             indptr,
-            places % n_u,
+            indices,
             symmetric,
             constraints.n_lam,
-            self._j_pattern.indptr.astype(np.int64),
-            self._j_pattern.indices.astype(np.int64),
+            j_indptr,
+            j_indices,
         )
 
     def _sum_setup(self, blocks: Sequence[Block], entries: Sequence[Entries], slots: Ints, symmetric: bool) -> None:
@@ -100,7 +99,8 @@ class MatrixAssembly:
                 whole = np.concatenate(places), np.concatenate(sources), np.concatenate(factors)
                 self._sums.append((None, self.buffer, ScatterSum(*whole, np.array([0, len(self.buffer)]), bounds), out))
 
-    def _jacobian_setup(self, model: Model, T: sparse.csr_array, n_u: int) -> None:
+    def _jacobian_setup(self, model: Model, T: sparse.csr_array, n_u: int) -> tuple[Ints, Ints]:
+        """The operator that sums the buffer of Phi_q; the pattern of Phi_q T in compressed rows."""
         offsets = np.cumsum([0, *(block.n_lam for block in model.constraints)])
         rows = [block.j_rows + start for block, start in zip(model.constraints, offsets, strict=False)]
         ends = np.cumsum([len(r) for r in rows], dtype=np.int64)
@@ -113,14 +113,9 @@ class MatrixAssembly:
         place[self.constraints.kept] = np.arange(self.constraints.n_lam)
         kept = place[found.rows] >= 0
         entries = Entries(place[found.rows[kept]], found.cols[kept], found.sources[kept], found.factors[kept])
-        shape = (self.constraints.n_lam, n_u)
-        self._j_pattern = sparse.csr_array(
-            sparse.coo_array((np.ones(len(entries.rows)), (entries.rows, entries.cols)), shape=shape)
-        )
-        self._j_pattern.sort_indices()
-        keys = np.repeat(np.arange(shape[0]), np.diff(self._j_pattern.indptr)) * shape[1] + self._j_pattern.indices
-        slots = np.searchsorted(keys, entries.rows * shape[1] + entries.cols)
-        self._j_sum = SumOperator.of(slots, entries.sources, entries.factors, len(keys), len(self.j_buffer))
+        indptr, indices, slots = numbered(entries.rows, entries.cols, self.constraints.n_lam, n_u)
+        self._j_sum = SumOperator(slots, entries.sources, entries.factors, len(indices))
+        return indptr, indices
 
     def values(
         self, forces: ForceSum, loads: ForceSum, point: Point, q: Floats, v: Floats, weights: Weights, previous: Floats
@@ -193,6 +188,14 @@ def _entries(block: Block, symmetric: bool, T: sparse.csr_array, start: int) -> 
     scale = block.k_scale if isinstance(block, ForceBlock) else np.ones(len(block.k_rows))
     found = expand_matrix(block.k_rows, block.k_cols, scale, symmetry, symmetric and symmetry == "symmetric", T)
     return Entries(found.rows, found.cols, found.sources + start, found.factors)
+
+
+def _inertia(mass: sparse.csr_array, symmetric: bool, T: sparse.csr_array) -> Entries:
+    """Contributions of the entries of M; upper ones alone when the matrix is symmetric."""
+    entries = mass.tocoo()
+    upper = entries.row <= entries.col if symmetric else slice(None)
+    rows, cols = entries.row[upper].astype(np.int64), entries.col[upper].astype(np.int64)
+    return expand_matrix(rows, cols, entries.data[upper].astype(float), "symmetric" if symmetric else "none", symmetric, T)
 
 
 @shared

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import kernel, shared
-from lamella.assembly.pattern_kernels import in_layers, runs_of, tabulated
+from lamella.assembly.pattern_kernels import in_layers, runs_of, sorted_by, tabulated
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
@@ -23,24 +23,28 @@ class SumOperator:
     row by row.
 
     Args:
-        matrix: E, sparse (n_targets, n_sources).
+        targets, sources, factors: the entries of E, each with its place in y, its place in x, and its factor, shapes (n,).
+        n_targets: numbers in y.
     """
 
-    def __init__(self, matrix: sparse.sparray) -> None:
-        rows = sparse.csr_array(matrix)
-        lengths = np.diff(rows.indptr)
+    def __init__(self, targets: Ints, sources: Ints, factors: Floats, n_targets: int) -> None:
+        lengths = np.bincount(targets, minlength=n_targets)
         order = np.argsort(lengths, kind="stable")
-        sorted_rows = sparse.csr_array(rows[order])
-        self.n = len(lengths)
+        place = np.empty_like(order)
+        place[order] = np.arange(n_targets)
+        by_row, _ = sorted_by(place[targets], n_targets)
+        self.n = n_targets
         self.targets: Indices = order.astype(np.int32)
         self.group_ends = np.concatenate([[0], np.cumsum(np.bincount(lengths, minlength=1))]).astype(np.int32)
-        self.sources: Indices = sorted_rows.indices.astype(np.int32)
-        self.factors = sorted_rows.data.astype(float)
+        self.sources: Indices = sources[by_row].astype(np.int32)
+        self.factors = factors[by_row].astype(float)
 
     @classmethod
-    def of(cls, targets: Ints, sources: Ints, factors: Floats, n_targets: int, n_sources: int) -> SumOperator:
-        """From a list of contributions, each with its place in y, its place in x, and its factor, shapes (n,)."""
-        return cls(sparse.coo_array((factors, (targets, sources)), shape=(n_targets, n_sources)))
+    def of(cls, matrix: sparse.sparray) -> SumOperator:
+        """The product with a matrix, sparse (n_targets, n_sources)."""
+        rows = sparse.csr_array(matrix)
+        n_targets = len(rows.indptr) - 1
+        return cls(np.repeat(np.arange(n_targets), np.diff(rows.indptr)), rows.indices, rows.data, n_targets)
 
     def __call__(self, x: Floats) -> Floats:
         """The sums in a new array, shape (n_targets,)."""
@@ -96,7 +100,8 @@ class ScatterSum:
     """
 
     def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints, bounds: Sequence[int] | None = None) -> None:
-        order = in_layers(sources, parts)
+        once = bool(np.all(sources[1:] > sources[:-1]))  # as on a mesh whose supports hold coordinates: they are in order then
+        order = slice(None) if once else in_layers(sources, parts)
         ordered, sources = targets[order].astype(np.uint32), sources[order]
         self._table, codes = tabulated(factors[order].astype(float))
         self._ranges: list[Listed] = []
@@ -165,7 +170,7 @@ def mass_operator(matrix: sparse.csr_array) -> SumOperator | VectorOperator:
         scalar = sparse.csr_array(matrix[::3, ::3])
         if abs(matrix - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max():
             return VectorOperator(scalar)
-    return SumOperator(matrix)
+    return SumOperator.of(matrix)
 
 
 @kernel

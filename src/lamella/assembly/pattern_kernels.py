@@ -55,12 +55,12 @@ def tabulated(factors: Floats) -> tuple[Floats, NDArray[np.integer]]:
     return table[:n].copy(), few
 
 
-def numbered(rows: Ints, cols: Ints, n: int) -> tuple[Ints, Ints]:
-    """The places row n + col that occur, ascending, and which of them each entry has."""
-    order, _ = sorted_by(rows, n, sorted_by(cols, n)[0])
-    places, slots = np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
-    count = _number(rows, cols, order, n, places, slots)
-    return places[:count].copy(), slots
+def numbered(rows: Ints, cols: Ints, n_rows: int, n_cols: int) -> tuple[Ints, Ints, Ints]:
+    """The places (row, col) that occur, in compressed rows of ascending columns, and which of them each entry has."""
+    order, ends = sorted_by(rows, n_rows, sorted_by(cols, n_cols)[0])
+    indptr, indices, slots = np.zeros(n_rows + 1, np.int64), np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
+    count = _number(cols, order, ends, indptr, indices, slots)
+    return indptr, indices[:count].copy(), slots
 
 
 @kernel
@@ -163,16 +163,19 @@ def _encode(factors: Floats, table: Floats, codes: NDArray[np.uint16]) -> None:
 
 
 @kernel
-def _number(rows: Ints, cols: Ints, order: Ints, n: int, places: Ints, slots: Ints) -> int:
-    count, last = 0, -1
-    for k in range(len(order)):
-        i = order[k]
-        place = rows[i] * n + cols[i]
-        if place != last:
-            places[count] = place
-            count += 1
-            last = place
-        slots[i] = count - 1
+def _number(cols: Ints, order: Ints, ends: Ints, indptr: Ints, indices: Ints, slots: Ints) -> int:
+    count, at = 0, 0
+    for row in range(len(indptr) - 1):
+        last = -1
+        for k in range(at, ends[row]):
+            i = order[k]
+            if cols[i] != last:
+                last = cols[i]
+                indices[count] = last
+                count += 1
+            slots[i] = count - 1
+        at = ends[row]
+        indptr[row + 1] = count
     return count
 
 

@@ -78,23 +78,27 @@ class ElementBlock(ForceBlock):
         self.n_element, self.n_block = len(coords), n_blocks(len(coords))
         self._all = Range(0, self.n_block, self.n_block)
         self._index, self._scale = packed_indices(coords), packed(scale)
-        self.f_coords, self.f_scale = packed_targets(coords), self._scale
-        self._coords = coords
+        self._targets = packed_targets(coords)
+        self.f_coords, self.f_scale = self._targets, self._scale
 
     @cached_property
     def k_rows(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride] -- made when a matrix is first assembled
         """Global coordinate of the row of each entry of the tangent buffer, shape (n_k,)."""
-        return packed_targets(self._coords[:, self.rows])
+        return self._of_entries(self._targets, self.rows)
 
     @cached_property
     def k_cols(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The same of its column."""
-        return packed_targets(self._coords[:, self.columns])
+        return self._of_entries(self._targets, self.columns)
 
     @cached_property
     def k_scale(self) -> Floats:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Factor of each entry, shape (n_k,)."""
-        return packed(self.element_scale[:, self.rows] * self.element_scale[:, self.columns])
+        return self._of_entries(self._scale, self.rows) * self._of_entries(self._scale, self.columns)
+
+    def _of_entries(self, table: NDArray[Number], places: Ints) -> NDArray[Number]:
+        """Of a packed table of the element's coordinates, the numbers at some places, packed as well."""
+        return table.reshape(self.n_block, len(self.order), WIDTH)[:, places].reshape(-1)
 
     def over_blocks(self, seconds: float, call: Callable[[Range], None]) -> None:
         """Call a kernel for all blocks of elements: at once, or in threads, each for some of them, where that is faster.
