@@ -37,14 +37,15 @@ class SumOperator:
         self.targets: Indices = order.astype(np.int32)
         self.group_ends = np.concatenate([[0], np.cumsum(np.bincount(lengths, minlength=1))]).astype(np.int32)
         self.sources: Indices = sources[by_row].astype(np.int32)
-        self.factors = factors[by_row].astype(float)
+        self.factors = factors[by_row]
 
     @classmethod
     def of(cls, matrix: sparse.sparray) -> SumOperator:
         """The product with a matrix, sparse (n_targets, n_sources)."""
         rows = sparse.csr_array(matrix)
         n_targets = len(rows.indptr) - 1
-        return cls(np.repeat(np.arange(n_targets), np.diff(rows.indptr)), rows.indices, rows.data, n_targets)
+        targets = np.repeat(np.arange(n_targets), np.diff(rows.indptr))
+        return cls(targets, rows.indices.astype(np.int64), rows.data.astype(float), n_targets)
 
     def __call__(self, x: Floats) -> Floats:
         """The sums in a new array, shape (n_targets,)."""
