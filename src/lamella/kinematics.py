@@ -67,6 +67,8 @@ class VectorRows:
 
 def _combined(a: VectorRows, b: VectorRows, factor: float) -> VectorRows:
     """a + factor b with each coordinate vector listed once and cancelled ones left out."""
+    if not len(b.vectors):
+        return VectorRows(a.vectors, a.weights, a.constant + factor * b.constant)
     vectors, weights = np.concatenate([a.vectors, b.vectors]), np.concatenate([a.weights, factor * b.weights])
     largest = np.abs(weights).max(initial=0.0)
     if len(a.vectors) and len(b.vectors):

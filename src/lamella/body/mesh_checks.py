@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamella.element.base import ELEMENTS
 from lamella.errors import DeclarationError
+from lamella.roles import Floats
 from lamella.surface.base import Surface
 
 if TYPE_CHECKING:
@@ -54,14 +57,20 @@ def check_loops(name: str, surface: Surface, counts: tuple[int, int]) -> None:
                 )
 
 
+@cache
+def _looked_at(element: str) -> tuple[Floats, Floats, Floats]:
+    """The points xi, eta, and shape functions with first derivatives there."""
+    xi, eta = (v.reshape(-1) for v in np.meshgrid(POINTS, POINTS))
+    return xi, eta, ELEMENTS[element].shape(xi, eta)[:3]
+
+
 def check_folds(mesh: PlateMesh) -> None:
     """Refuse elements whose stress-free configuration has no area or turns over.
 
     Raises:
         DeclarationError: names the place.
     """
-    xi, eta = (v.reshape(-1) for v in np.meshgrid(POINTS, POINTS))
-    shape = mesh.element.shape(xi, eta)[:3]
+    xi, eta, shape = _looked_at(mesh.element.name)
     vectors = (mesh.reference * mesh.scale).reshape(len(mesh.reference), -1, 3)
     r, r_xi, r_eta = np.einsum("dps,esc->depc", shape, vectors, optimize=True)
     normal = np.cross(r_xi, r_eta)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lamella.body.mesh import PlateMesh
 from lamella.body.rigid_frame import Axes, turned, unit_length_rows
-from lamella.dofs import DotRow, LinearRow
+from lamella.dofs import DotRow, LinearRow, Motion
 from lamella.kinematics import Frame, VectorRows
 from lamella.math.rotation import polar
 from lamella.roles import Floats
@@ -76,9 +77,9 @@ def rigid_rows(mesh: PlateMesh, first_node: int = 0) -> list[LinearRow | DotRow]
     return [*rows, DotRow(f"right angle of r_x and r_y of {label}", ((1.0, d_1, d_2),))]
 
 
-def vanishing(vector: VectorRows, label: str, axes: str = "xyz") -> list[LinearRow]:
-    """Components of a vector that are zero."""
+def vanishing(vector: VectorRows, label: str, axes: str = "xyz", motions: Mapping[str, Motion] | None = None) -> list[LinearRow]:
+    """Components of a vector that are zero, or move as functions of time."""
     return [
-        LinearRow(f"{axis} of {label}", 3 * vector.vectors + c, vector.weights, -float(vector.constant[c]))
-        for axis, c in ((axis, "xyz".index(axis)) for axis in axes)
+        LinearRow(f"{axis} of {label}", 3 * vector.vectors + c, vector.weights, -float(vector.constant[c]), motion)
+        for axis, c, motion in ((axis, "xyz".index(axis), (motions or {}).get(axis)) for axis in axes)
     ]

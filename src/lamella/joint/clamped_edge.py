@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -88,8 +87,7 @@ def clamped_rows(
         moved = vector - frame.origin if position else vector
         letters = held[roles.get(name, name)]
         if letters == "all":
-            fixed = vanishing(moved - carried(initial, moved.at(initial), frame), label)
-            rows += [replace(row, motion=motions.get(axis) if position else None) for row, axis in zip(fixed, "xyz", strict=True)]
+            rows += vanishing(moved - carried(initial, moved.at(initial), frame), label, motions=motions if position else None)
             continue
         at = axes[node]
         if name == "r_xy" and np.any(at.n_s):

@@ -13,7 +13,7 @@ from lamella.element.plate48.heated import ThermalCouplingBlock
 from lamella.element.plate48.heated_small import FrameHeatBlock, HeatedFrameBlock, LinearHeatBlock, group_heat
 from lamella.element.plate48.inertia import ShellInertia
 from lamella.element.plate48.linear import LinearShellBlock
-from lamella.element.plate48.shape import Plate48
+from lamella.element.plate48.shape import PLATE48
 from lamella.element.plate48.thermal_matrices import HeatedElements
 from lamella.roles import ForceBlock
 
@@ -71,5 +71,5 @@ HEATED: dict[type[ForceBlock], Callable[[Any, HeatedElements], HeatedBlocks]] = 
 }
 """For each strain model, how its block is given temperatures."""
 
-SHELL = ShellModels(Plate48(), STRAIN_MODELS, KelvinVoigtBlock, DampedShellBlock, HEATED)
+SHELL = ShellModels(PLATE48, STRAIN_MODELS, KelvinVoigtBlock, DampedShellBlock, HEATED)
 """All of them together."""

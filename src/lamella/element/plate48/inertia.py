@@ -7,12 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from lamella.element.base import ElementSpec
-from lamella.element.plate48.shape import Plate48, gauss_points
+from lamella.element.plate48.shape import PLATE48, gauss_points, shape_at_gauss_points
 from lamella.element.plate48.surface import derivatives_at_points, normal_and_area
 from lamella.errors import ModelError
 from lamella.roles import Floats, InertiaBlock, Ints
-
-PLATE48 = Plate48()
 
 
 class ShellInertia(InertiaBlock):
@@ -47,8 +45,8 @@ class ShellInertia(InertiaBlock):
         density = np.broadcast_to(np.asarray(mass_per_area, float), (len(coords),))
         if not np.all(density > 0):
             raise ModelError(f"{name}: mass per area is {density.min():g} kg/m^2; accepted is a positive number")
-        xi, eta, weights = gauss_points(n_gauss)
-        self._shape = shape = element.shape(xi, eta)
+        weights = gauss_points(n_gauss)[2]
+        self._shape = shape = shape_at_gauss_points(element, n_gauss)
         rest = np.asarray(reference, float) * scale
         _, area = normal_and_area(name, derivatives_at_points(shape[:3], rest))
         self._weights = density[:, None] * weights * area

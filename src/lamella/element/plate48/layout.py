@@ -9,12 +9,13 @@ import numpy as np
 from lamella.element.block import ElementBlock, Range
 from lamella.element.packing import packed
 from lamella.element.plate48.section import Curvature, Section
-from lamella.element.plate48.shape import Plate48, gauss_points, hermite_table, product_order, shape_at_gauss_points
+from lamella.element.plate48.shape import PLATE48, gauss_points, hermite_table, product_order, shape_at_gauss_points
 from lamella.element.plate48.strain import Cubed
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import ModelError
 from lamella.roles import Floats, Ints
 
+UPPER = np.triu_indices(6)
 KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
 
 
@@ -42,7 +43,7 @@ class Plate48Block(ElementBlock):
     """
 
     def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, rows: Ints, columns: Ints) -> None:
-        super().__init__(name, Plate48(), product_order(), coords, scale, reference, rows, columns)
+        super().__init__(name, PLATE48, product_order(), coords, scale, reference, rows, columns)
 
     def kernel_arguments(self, tables: list[GaussTables]) -> list[KernelArguments]:
         """Index, scale, sections, table, number of points and normal for each part of the section."""
@@ -63,17 +64,16 @@ class GaussTables:
 
     def __init__(self, block: Plate48Block, section: Section, n_gauss: int) -> None:
         weights = gauss_points(n_gauss)[2]
-        at_points = derivatives_at_points(shape_at_gauss_points(n_gauss), block.rest)
+        at_points = derivatives_at_points(shape_at_gauss_points(PLATE48, n_gauss), block.rest)
         surface = reference_surface(block.name, at_points, section.direction)
         self.cubed: Cubed = section.cubed
         self.transform = surface.strain_transform(self.cubed)
         factor = (weights * surface.area)[..., None, None]
         self.stiffness = self.transform.swapaxes(-1, -2) @ section.by_element @ self.transform * factor
-        upper = np.triu_indices(6)
         constants = surface.constants(self.cubed)
         if section.prestrain is not None:  # the strains of the kernels are counted from a reference that is shorter by it
             constants[..., :3] -= np.linalg.solve(surface.transform, section.prestrain[:, None])[..., 0]
-        self.sections = packed(np.concatenate([self.stiffness[..., upper[0], upper[1]], constants], axis=-1))
+        self.sections = packed(np.concatenate([self.stiffness[..., *UPPER], constants], axis=-1))
         self.table, self.n = hermite_table(n_gauss), n_gauss
 
 

@@ -35,9 +35,17 @@ class Plate48(ElementSpec):
 
     def shape(self, xi: ArrayLike, eta: ArrayLike) -> Floats:
         """Shape functions and derivatives, see :meth:`ElementSpec.shape`."""
-        a, b = self.factors()
-        phi_xi, phi_eta = np.moveaxis(cubic_hermite(xi), 1, -1), np.moveaxis(cubic_hermite(eta), 1, -1)
-        return np.stack([phi_xi[p][..., a] * phi_eta[q][..., b] for p, q in DERIVATIVES])
+        (a, b), (by_xi, by_eta) = _factors(), np.array(DERIVATIVES).T
+        phi_xi, phi_eta = cubic_hermite(xi)[by_xi[:, None], a], cubic_hermite(eta)[by_eta[:, None], b]
+        return np.ascontiguousarray(np.moveaxis(phi_xi * phi_eta, 1, -1))
+
+
+@cache
+def _factors() -> tuple[Ints, Ints]:
+    return Plate48().factors()
+
+
+PLATE48 = Plate48()
 
 
 def gauss_points(n: int) -> tuple[Floats, Floats, Floats]:
@@ -51,9 +59,9 @@ def gauss_points(n: int) -> tuple[Floats, Floats, Floats]:
 
 
 @cache
-def shape_at_gauss_points(n: int) -> Floats:
+def shape_at_gauss_points(element: ElementSpec, n: int) -> Floats:
     """Shape functions and derivatives at the points of the n x n Gauss rule, see :meth:`ElementSpec.shape`."""
-    found = Plate48().shape(*gauss_points(n)[:2])
+    found = element.shape(*gauss_points(n)[:2])
     found.flags.writeable = False  # all who ask share it
     return found
 
@@ -65,7 +73,7 @@ def hermite_table(n: int) -> Floats:
 
 def product_order() -> Ints:
     """Place in element order of the coordinate (a, b, component) of the kernels, shape (48,)."""
-    a, b = Plate48().factors()
+    a, b = _factors()
     vector = np.empty(16, np.int64)
     vector[4 * a + b] = np.arange(16)
     return (3 * vector[:, None] + np.arange(3)).reshape(-1)

@@ -93,8 +93,8 @@ def reference_surface(item: str, derivatives: Floats, direction: Floats | None =
     n0 = normal / area[..., None]
     first = np.stack([(r_x * r_x).sum(-1), (r_y * r_y).sum(-1), (r_x * r_y).sum(-1)], axis=-1)
     second = np.stack([(r_xx * n0).sum(-1), (r_yy * n0).sum(-1), (r_xy * n0).sum(-1)], axis=-1)
-    axis = r_x if direction is None else _projected(item, direction, derivatives[0], n0)
-    return ReferenceSurface(area, first, second, _strain_transform(r_x, r_y, n0, area, axis))
+    axis = (1.0, 0.0) if direction is None else _projected(item, direction, derivatives, first, area)
+    return ReferenceSurface(area, first, second, _strain_transform(first, area, *axis))
 
 
 def normal_and_area(item: str, derivatives: Floats) -> tuple[Floats, Floats]:
@@ -115,13 +115,15 @@ def normal_and_area(item: str, derivatives: Floats) -> tuple[Floats, Floats]:
     return normal, area
 
 
-def _projected(item: str, direction: Floats, places: Floats, n0: Floats) -> Floats:
-    """The projection of a vector on the surface at every point."""
+def _projected(item: str, direction: Floats, derivatives: Floats, first: Floats, area: Floats) -> tuple[Floats, Floats]:
+    """Components by r_x and r_y of the projection of a vector on the surface at every point."""
     vector = np.asarray(direction, float)
-    axis = vector - (n0 @ vector)[..., None] * n0
-    bad = np.argwhere(~(np.linalg.norm(axis, axis=-1) > NORMAL * np.linalg.norm(vector)))
+    by_x, by_y = derivatives[1] @ vector, derivatives[2] @ vector
+    A11, A22, A12 = np.moveaxis(first, -1, 0)
+    axis = (A22 * by_x - A12 * by_y) / area**2, (A11 * by_y - A12 * by_x) / area**2
+    bad = np.argwhere(~(axis[0] * by_x + axis[1] * by_y > NORMAL**2 * (vector @ vector)))
     if len(bad):
-        at = ", ".join(f"{x:.4g}" for x in places[tuple(bad[0])])
+        at = ", ".join(f"{x:.4g}" for x in derivatives[0][tuple(bad[0])])
         raise ModelError(
             f"{item}: the ply direction ({', '.join(f'{x:g}' for x in vector)}) is normal to the surface near ({at}) m in "
             f"element {bad[0, 0]}; accepted is a direction with a projection on the surface everywhere"
@@ -129,11 +131,14 @@ def _projected(item: str, direction: Floats, places: Floats, n0: Floats) -> Floa
     return axis
 
 
-def _strain_transform(r_x: Floats, r_y: Floats, n0: Floats, area: Floats, axis: Floats) -> Floats:
-    """The matrix T of the module's docstring, for local frames whose first axis has the direction ``axis``."""
-    e_1 = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
-    e_2 = np.cross(n0, e_1)
-    dual_1, dual_2 = np.cross(r_y, n0) / area[..., None], np.cross(n0, r_x) / area[..., None]
-    a, b, c, d = ((dual * axis).sum(-1) for axis in (e_1, e_2) for dual in (dual_1, dual_2))
+def _strain_transform(first: Floats, area: Floats, alpha: Floats | float, beta: Floats | float) -> Floats:
+    """The matrix T of the module's docstring, for local frames whose first axis has the direction alpha r_x + beta r_y.
+
+    e_2 = n0 x e_1, and n0 x r_x = J0 G^2, n0 x r_y = -J0 G^1 with the area element J0.
+    """
+    A11, A22, A12 = np.moveaxis(first, -1, 0)
+    along_x, along_y = alpha * A11 + beta * A12, alpha * A12 + beta * A22
+    length = np.sqrt(alpha * along_x + beta * along_y)
+    a, b, c, d = alpha / length, beta / length, -along_y / (area * length), along_x / (area * length)
     rows = [[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
