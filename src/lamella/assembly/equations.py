@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -16,6 +16,7 @@ from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, VectorOperator, mass_operator
 from lamella.assembly.point import Point, Weights
 from lamella.assembly.product import SkewProduct
+from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
 from lamella.model import Model
@@ -60,7 +61,7 @@ class Equations:
         self._fixed = self.elimination.particular(self.elimination.constant)
         self._source = SumOperator.of(self.elimination.of_motions)
         self._at_rest = np.zeros(model.n_q)
-        self._moved, self._carried = lru_cache(4)(self._moved_at), lru_cache(4)(self._carried_at)
+        self._moved, self._carried = Recent(), Recent()
         self._row_size = np.zeros(0)
         if like is not None:
             self.constraints.kept, self._row_size = like.constraints.kept, like._row_size
@@ -136,23 +137,23 @@ class Equations:
     def coordinates(self, point: Point) -> Floats:
         """All coordinates q, shape (n_q,)."""
         q = self.expand(point.u)
-        q += self._moved(point.t, point.factor) if self.elimination.moves else self._fixed
+        q += self._moved_at(point.t, point.factor) if self.elimination.moves else self._fixed
         return q
 
     def forget(self) -> None:
         """Evaluate anew what is known for a time: a function of time has been given another course."""
-        self._moved.cache_clear()
-        self._carried.cache_clear()
+        self._moved.clear()
+        self._carried.clear()
         self.forces.forget()
         self.loads.forget()
 
     def _moved_at(self, t: float, factor: float) -> Floats:
         """What supports add to the coordinates, shape (n_q,)."""
-        return self._fixed + self._source(factor * self.elimination.motions(t))
+        return self._moved.get((t, factor), lambda: self._fixed + self._source(factor * self.elimination.motions(t)))
 
     def _carried_at(self, t: float) -> Floats:
         """Inertia forces due to the accelerations of supports, shape (n_u,)."""
-        return self._gather(self._mass(self._source(self.elimination.accelerations(t))))
+        return self._carried.get(t, lambda: self._gather(self._mass(self._source(self.elimination.accelerations(t)))))
 
     def _force_velocities(self, point: Point) -> Floats:
         """Velocities where a force asks for them, else zeros, which cost nothing."""
@@ -338,7 +339,7 @@ class Equations:
         if not point.at_rest:
             r += self._inertia(point.udd)
             if self.elimination.moves:
-                r += self._carried(point.t)
+                r += self._carried_at(point.t)
         if not self.n_lam:
             return r, NOTHING
         force = np.zeros(self.model.n_q)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
@@ -43,11 +44,13 @@ class MatrixAssembly:
     def __init__(self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
         self.model, self.constraints = model, constraints
         blocks = (*model.forces, *model.loads, *model.constraints)
-        sizes = [len(block.k_rows) for block in blocks]
-        ends = np.cumsum(sizes, dtype=np.int64)
-        self.buffer = np.zeros(int(ends[-1]) if sizes else 0)
-        self.parts = [self.buffer[end - size : end] for end, size in zip(ends, sizes, strict=True)]
-        entries = [_entries(block, symmetric, T, int(end) - size) for block, size, end in zip(blocks, sizes, ends, strict=True)]
+        entries, ends = [], [0]
+        for block in blocks:
+            rows = block.k_rows
+            entries.append(_entries(block, rows, symmetric, T, ends[-1]))
+            ends.append(ends[-1] + len(rows))
+        self.buffer = np.zeros(ends[-1])
+        self.parts = [self.buffer[first:end] for first, end in pairwise(ends)]
         inertia = _inertia(model.mass, symmetric, T)
         diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
         rows = np.concatenate([*(e.rows for e in entries), inertia.rows, diagonal])
@@ -182,11 +185,11 @@ def _symmetry(block: Block) -> Symmetry:
     return block.symmetry if isinstance(block, ForceBlock) else "symmetric"
 
 
-def _entries(block: Block, symmetric: bool, T: sparse.csr_array, start: int) -> Entries:
+def _entries(block: Block, rows: Ints, symmetric: bool, T: sparse.csr_array, start: int) -> Entries:
     """Contributions of a block whose buffer begins at ``start``; upper ones alone where block and matrix are symmetric."""
     symmetry = _symmetry(block)
-    scale = block.k_scale if isinstance(block, ForceBlock) else np.ones(len(block.k_rows))
-    found = expand_matrix(block.k_rows, block.k_cols, scale, symmetry, symmetric and symmetry == "symmetric", T)
+    scale = block.k_scale if isinstance(block, ForceBlock) else np.ones(len(rows))
+    found = expand_matrix(rows, block.k_cols, scale, symmetry, symmetric and symmetry == "symmetric", T)
     return Entries(found.rows, found.cols, found.sources + start, found.factors)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -81,17 +81,25 @@ class ElementBlock(ForceBlock):
         self._targets = packed_targets(coords)
         self.f_coords, self.f_scale = self._targets, self._scale
 
-    @cached_property
-    def k_rows(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride] -- made when a matrix is first assembled
+    @property
+    def n_k(self) -> int:
+        """Entries of the tangent buffer."""
+        return self.n_block * len(self.rows) * WIDTH
+
+    # Lists as long as the tangent buffer are made whenever a pattern asks for them, and not kept: they would take three times
+    # its memory.
+
+    @property
+    def k_rows(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Global coordinate of the row of each entry of the tangent buffer, shape (n_k,)."""
         return self._of_entries(self._targets, self.rows)
 
-    @cached_property
+    @property
     def k_cols(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The same of its column."""
         return self._of_entries(self._targets, self.columns)
 
-    @cached_property
+    @property
     def k_scale(self) -> Floats:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Factor of each entry, shape (n_k,)."""
         return self._of_entries(self._scale, self.rows) * self._of_entries(self._scale, self.columns)

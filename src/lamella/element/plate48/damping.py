@@ -52,7 +52,7 @@ class KelvinVoigtBlock(Plate48Block):
         self._work, self._power = Workspace(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         self._unused, self._energies = np.empty(len(self.f_coords)), aligned(self.n_block * WIDTH)
         if len(self._arguments) > 1:
-            self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.k_rows.size), self._power.copy()
+            self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.n_k), self._power.copy()
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force, with the elastic one if that is added."""

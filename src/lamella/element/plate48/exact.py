@@ -45,7 +45,7 @@ class ShellBlock(Plate48Block):
         self._arguments = self.kernel_arguments(gauss_tables(self, section, n_gauss))
         self._work, self._energies = Workspace(kernels.work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         if len(self._arguments) > 1:
-            self._f, self._k = aligned(self.f_coords.size), aligned(self.k_rows.size)
+            self._f, self._k = aligned(self.f_coords.size), aligned(self.n_k)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/de."""
@@ -112,7 +112,7 @@ def reference_tangent(
     """
     own = np.arange(coords.size, dtype=np.int64).reshape(coords.shape)
     shell = model(name, own, scale, reference, section, n_gauss)
-    f, k = aligned(shell.f_coords.size), aligned(shell.k_rows.size)
+    f, k = aligned(shell.f_coords.size), aligned(len(shell.k_rows))
     rest = np.ascontiguousarray(reference, float).reshape(-1)
     shell.force_tangent(0.0, rest, rest, 1.0, 0.0, rest, f, k)
     return shell, k
