@@ -25,6 +25,9 @@ COLUMNS = 64
 FEW = 12
 """Rows for which a product is worth its numbers in any case."""
 
+Form = tuple[Ints, Ints, Floats]
+"""Rows as arrays: where each starts, and the coordinates and coefficients of all."""
+
 
 class Elimination:
     """The map between independent and all coordinates.
@@ -34,6 +37,7 @@ class Elimination:
         dependent: coordinates that are no unknowns, in the order of the rows that are kept, shape (n_rows,).
         rows: all rows.
         kept: numbers of those that determine the dependent coordinates; the others repeat these.
+        form: all rows as arrays.
 
     Attributes:
         independent: coordinates kept as unknowns u, shape (n_u,).
@@ -47,13 +51,13 @@ class Elimination:
         ConstraintError: a row that repeats others contradicts them.
     """
 
-    def __init__(self, T: sparse.csr_array, dependent: Ints, rows: Sequence[LinearRow], kept: Sequence[int]) -> None:
+    def __init__(self, T: sparse.csr_array, dependent: Ints, rows: Sequence[LinearRow], kept: Sequence[int], form: Form) -> None:
         self.n_q = n_q = len(T.indptr) - 1
         self.T, self.kept, self.dependent = T, tuple(kept), dependent
         free = np.ones(n_q, bool)
         free[dependent] = False
         self.independent = np.flatnonzero(free)
-        self._form = _form(rows)
+        self._form = form
         self.C = _stacked(self._form, self.kept, n_q)
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
         self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent])) if kept else None
@@ -81,10 +85,12 @@ class Elimination:
 
     def _repeated(self, rows: Sequence[LinearRow]) -> tuple[dict[int, float], ...]:
         """The rows that are not kept as sums of those that are: x C_d = row_d in the dependent coordinates."""
-        numbers = np.setdiff1d(np.arange(len(rows)), self.kept)
+        numbers = sorted(set(range(len(rows))).difference(self.kept))
+        if not numbers:
+            return ()
         relations = []
         lengths = np.array([np.abs(row.coefs).max() for row in self.rows])
-        for number in numbers.tolist():
+        for number in numbers:
             coefs = np.zeros(self.n_q)
             np.add.at(coefs, rows[number].coords, rows[number].coefs)
             shares = self._inverse.solve(coefs[self.dependent], "T") if self._inverse else lengths
@@ -104,6 +110,8 @@ class Elimination:
     @property
     def of_motions(self) -> sparse.csr_array:
         """The columns of G that belong to moving rows, sparse (n_q, n_moving)."""
+        if not self.moves:
+            return sparse.csr_array((self.n_q, 0))
         units = np.zeros((len(self.rows), len(self.moving)))
         units[self.moving, np.arange(len(self.moving))] = 1.0
         return sparse.csr_array(self.particular(units))
@@ -186,7 +194,8 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
     resolved: dict[int, Expression] = {}
     kept: list[int] = []
     first = frozenset(() if like is None else like.dependent.tolist())
-    starts, coords, coefs = (part.tolist() for part in _form(rows))
+    form = _form(rows)
+    starts, coords, coefs = (part.tolist() for part in form)
     for number, (start, end) in enumerate(pairwise(starts)):
         terms = _substitute(coords[start:end], coefs[start:end], solved, order, resolved)
         if not terms:
@@ -196,7 +205,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
         lead = terms.pop(pivot)
         order[pivot] = len(order)
         solved[pivot] = {c: -x / lead for c, x in terms.items()}
-    return Elimination(_map(solved, order, n_q), np.array(list(order), dtype=np.int64), rows, kept)
+    return Elimination(_map(solved, order, n_q), np.array(list(order), dtype=np.int64), rows, kept, form)
 
 
 Expression = dict[int, float]
@@ -274,7 +283,7 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     return T
 
 
-def _form(rows: Sequence[LinearRow]) -> tuple[Ints, Ints, Floats]:
+def _form(rows: Sequence[LinearRow]) -> Form:
     """Where each row starts, and all their coordinates and coefficients."""
     starts = np.cumsum([0, *(len(row.coords) for row in rows)])
     coords = np.concatenate([np.zeros(0, np.int64), *(row.coords for row in rows)])
@@ -282,7 +291,7 @@ def _form(rows: Sequence[LinearRow]) -> tuple[Ints, Ints, Floats]:
     return starts, coords, coefs
 
 
-def _stacked(form: tuple[Ints, Ints, Floats], kept: Sequence[int], n_q: int) -> sparse.csr_array:
+def _stacked(form: Form, kept: Sequence[int], n_q: int) -> sparse.csr_array:
     """The coefficients of the rows kept, shape (n, n_q)."""
     starts, coords, coefs = form
     found = sparse.csr_array((coefs, coords, starts), shape=(len(starts) - 1, n_q), copy=True)

@@ -57,7 +57,7 @@ class Equations:
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
         self.expand = known.expand if known else SumOperator.of(T)
-        self._gather = known._gather if known else SumOperator.of(T.T)
+        self._gather = known._gather if known else self.expand.transposed(self.n_u)
         self._fixed = self.elimination.particular(self.elimination.constant)
         self._source = SumOperator.of(self.elimination.of_motions)
         self._at_rest = np.zeros(model.n_q)

@@ -47,6 +47,12 @@ class SumOperator:
         targets = np.repeat(np.arange(n_targets), np.diff(rows.indptr))
         return cls(targets, rows.indices.astype(np.int64), rows.data.astype(float), n_targets)
 
+    def transposed(self, n_targets: int) -> SumOperator:
+        """The product with the transpose, which has so many rows."""
+        lengths = np.repeat(np.arange(len(self.group_ends) - 1), np.diff(self.group_ends))
+        sources = np.repeat(self.targets, lengths).astype(np.int64)
+        return SumOperator(self.sources.astype(np.int64), sources, self.factors, n_targets)
+
     def __call__(self, x: Floats) -> Floats:
         """The sums in a new array, shape (n_targets,)."""
         return self.into(x, np.empty(self.n))
