@@ -24,6 +24,7 @@ LAYERS = [
         "dofs",
         "state",
         "critical",
+        "inertia",
         "result",
         "progress",
         "_jit",

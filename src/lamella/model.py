@@ -14,6 +14,7 @@ from lamella.body.rigid_frame import RigidFrame
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Build, DotRow, LinearRow, Sampler, ScalarField, Signal, Support, Trigger
 from lamella.errors import ModelError
+from lamella.inertia import vector_mass, whole_mass
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock
 from lamella.state import State
 
@@ -99,8 +100,12 @@ class Model:
     @cached_property
     def mass(self) -> sparse.csr_array:
         """The constant mass matrix M, sparse (n_q, n_q)."""
-        rows, columns, values = (np.concatenate(part) for part in zip(*(block.mass() for block in self.inertias), strict=True))
-        return sparse.csr_array(sparse.coo_array((values, (rows, columns)), shape=(self.n_q, self.n_q)))
+        return whole_mass(self.vector_mass, self.n_q)
+
+    @cached_property
+    def vector_mass(self) -> sparse.csr_array:
+        """The matrix m of M = m x 1_3, sparse (n_vectors, n_vectors)."""
+        return vector_mass(self.inertias, len(self.is_position))
 
     @property
     def n_q(self) -> int:

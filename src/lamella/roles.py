@@ -141,7 +141,10 @@ class InertiaBlock(ABC):
 
     @abstractmethod
     def mass(self) -> tuple[Ints, Ints, Floats]:
-        """Rows, columns and values of all entries (both triangles); duplicates are summed."""
+        """Vectors i, j and masses m_ij of all entries (both triangles) of M = m x 1_3; duplicates are summed.
+
+        The coordinates are vectors whose three components move alike, so a mass matrix has one number for each pair of vectors.
+        """
 
 
 class ConstraintBlock(Memory, ABC):

@@ -18,6 +18,7 @@ from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
 from lamella.assembly.point import Point, Weights
+from lamella.inertia import of_components
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, Symmetry
 
@@ -51,7 +52,7 @@ class MatrixAssembly:
             ends.append(ends[-1] + len(rows))
         self.buffer = np.zeros(ends[-1])
         self.parts = [self.buffer[first:end] for first, end in pairwise(ends)]
-        inertia = _inertia(model.mass, symmetric, T)
+        inertia = _inertia(model.vector_mass, symmetric, T)
         diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
         rows = np.concatenate([*(e.rows for e in entries), inertia.rows, diagonal])
         cols = np.concatenate([*(e.cols for e in entries), inertia.cols, diagonal])
@@ -61,7 +62,8 @@ class MatrixAssembly:
         n_entries = sum(len(e.rows) for e in entries)
         self._values = np.zeros(len(indices))
         """The matrix and, below, M alone in the pattern's order."""
-        self.mass = np.bincount(slots[n_entries : len(slots) - n_u], inertia.factors, minlength=len(indices))
+        of_mass = slots[n_entries : len(slots) - n_u]
+        self.mass = np.bincount(of_mass, inertia.factors, minlength=len(indices)).astype(float)
         self._sum_setup(blocks, entries, slots[:n_entries], symmetric)
         j_indptr, j_indices = self._jacobian_setup(model, T, n_u)
         self.pattern = Pattern(
@@ -194,11 +196,12 @@ def _entries(block: Block, rows: Ints, symmetric: bool, T: sparse.csr_array, sta
 
 
 def _inertia(mass: sparse.csr_array, symmetric: bool, T: sparse.csr_array) -> Entries:
-    """Contributions of the entries of M; upper ones alone when the matrix is symmetric."""
+    """Contributions of the entries of M = m x 1_3, from m; upper ones alone when the matrix is symmetric."""
     entries = mass.tocoo()
     upper = entries.row <= entries.col if symmetric else slice(None)
-    rows, cols = entries.row[upper].astype(np.int64), entries.col[upper].astype(np.int64)
-    return expand_matrix(rows, cols, entries.data[upper].astype(float), "symmetric" if symmetric else "none", symmetric, T)
+    i, j = entries.row[upper].astype(np.int64), entries.col[upper].astype(np.int64)
+    of_all = of_components(i, j, entries.data[upper].astype(float))
+    return expand_matrix(*of_all, "symmetric" if symmetric else "none", symmetric, T)
 
 
 @shared

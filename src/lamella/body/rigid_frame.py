@@ -91,7 +91,6 @@ class RigidInertia(InertiaBlock):
         self._matrix[1:, 1:] = second_moments + mass * np.outer(centre, centre)
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
-        """Rows, columns and values of all entries."""
-        full = np.einsum("ij,cd->icjd", self._matrix, np.eye(3)).reshape(12, 12)
-        rows, cols = np.nonzero(full)
-        return 3 * self._first + rows, 3 * self._first + cols, full[rows, cols]
+        """Vectors and masses of all entries."""
+        i, j = np.nonzero(self._matrix)
+        return self._first + i, self._first + j, self._matrix[i, j]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy import sparse
 
 from lamella.declaration import declaration
+from lamella.inertia import vector_mass
 from lamella.load.dead import add_dead_load
 from lamella.math.profile import Constant, Profile
 from lamella.roles import Declaration
@@ -39,10 +39,6 @@ class Gravity(Declaration):
         """Add the weight of all bodies numbered in the build."""
         if not build.inertias:
             return
-        n_q = 3 * build.n_vectors
-        field = np.outer(np.concatenate(build.is_position), self.acceleration).reshape(-1)
-        weight = sum(
-            sparse.coo_array((m, (i, j)), shape=(n_q, n_q)).tocsr() @ field for i, j, m in (b.mass() for b in build.inertias)
-        )
-        vectors = np.arange(build.n_vectors)
-        add_dead_load(build, self.name, vectors, np.asarray(weight).reshape(-1, 3), self.profile)
+        field = np.outer(np.concatenate(build.is_position), self.acceleration)
+        weight = vector_mass(build.inertias, build.n_vectors) @ field
+        add_dead_load(build, self.name, np.arange(build.n_vectors), weight, self.profile)

@@ -9,6 +9,7 @@ from scipy import sparse
 
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
+from lamella.inertia import vector_mass
 from lamella.roles import Declaration, Floats, ForceBlock
 from lamella.units import AngularVelocity, Length
 
@@ -47,13 +48,10 @@ class SteadySpin(Declaration):
         if build.spin is not None:
             raise DeclarationError(f"SteadySpin '{self.name}'", "the system spins already", "accepted is one steady spin")
         build.spin = np.asarray(self.angular_velocity)
-        n = 3 * build.n_vectors
         if not build.inertias:
             return
-        parts = [sparse.coo_array((m, (i, j)), shape=(n, n)) for i, j, m in (block.mass() for block in build.inertias)]
         square = np.outer(build.spin, build.spin) - (build.spin @ build.spin) * np.eye(3)  # Omega x (Omega x r) = square r
-        mass = sparse.csr_array(sum(parts, start=sparse.coo_array((n, n))))
-        stiffness = sparse.csr_array(mass @ sparse.kron(sparse.eye_array(build.n_vectors), square))
+        stiffness = sparse.csr_array(sparse.kron(vector_mass(build.inertias, build.n_vectors), square))
         centre = np.outer(np.concatenate(build.is_position), self.centre).reshape(-1)
         build.loads.append(CentrifugalBlock(self.name, stiffness, stiffness @ centre))
 

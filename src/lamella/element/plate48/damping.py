@@ -13,6 +13,7 @@ from lamella.element.plate48.entries import all_entries
 from lamella.element.plate48.kernels import energy as elastic_energy
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.section import Section
+from lamella.inertia import of_components
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, Symmetry
 from lamella.threads import Workspace
@@ -136,7 +137,7 @@ class MassDampingBlock(ForceBlock):
 
     def __init__(self, name: str, inertia: InertiaBlock, rate: float) -> None:
         self.name = name
-        rows, columns, values = inertia.mass()
+        rows, columns, values = of_components(*inertia.mass())
         self.f_coords = np.unique(rows)
         local = (np.searchsorted(self.f_coords, rows), np.searchsorted(self.f_coords, columns))
         self._matrix = csr_array((rate * values, local), shape=(len(self.f_coords), len(self.f_coords)))

@@ -51,7 +51,7 @@ class ShellInertia(InertiaBlock):
         _, area = normal_and_area(name, derivatives_at_points(shape[:3], rest))
         self._weights = density[:, None] * weights * area
         self._factors = np.asarray(scale, float)[:, ::3]
-        self._coords = np.asarray(coords, np.int64).reshape(-1, element.n_shape, 3)
+        self._vectors = np.asarray(coords, np.int64)[:, ::3] // 3
 
     @cached_property
     def _values(self) -> Floats:
@@ -59,8 +59,7 @@ class ShellInertia(InertiaBlock):
         return matrices * self._factors[:, :, None] * self._factors[:, None, :]
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
-        """Rows, columns and values of all entries."""
-        shape = (*self._values.shape, 3)
-        rows = np.broadcast_to(self._coords[:, :, None, :], shape).reshape(-1)
-        columns = np.broadcast_to(self._coords[:, None, :, :], shape).reshape(-1)
-        return rows, columns, np.repeat(self._values.reshape(-1), 3)
+        """Vectors and masses of all entries."""
+        i = np.broadcast_to(self._vectors[:, :, None], self._values.shape)
+        j = np.broadcast_to(self._vectors[:, None, :], self._values.shape)
+        return i.reshape(-1), j.reshape(-1), self._values.reshape(-1)
