@@ -65,7 +65,7 @@ def _candidates(graph: Lists) -> list[Ints]:
     matrix = sparse.csc_array((dominant, near, starts), shape=(n, n))
     by_degree = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c
     orders = [np.arange(n), reverse_cuthill_mckee(matrix, symmetric_mode=True), np.argsort(by_degree), by_degree]
-    return [np.asarray(order, np.int64) for order in orders]
+    return [np.array(order, np.int64) for order in orders]
 
 
 class _Tree:
