@@ -162,7 +162,7 @@ class StaticRun:
             return outcome
         negative = self.search.negative_at(self.point)
         if negative is None:
-            _, _, k, j = self.equations.linearise(self.point, STATIC)
+            k, j = self.equations.exact_matrix(self.point, STATIC)
             try:
                 self.newton.linear.factorise(k, j)
             except SingularSystemError:
