@@ -210,6 +210,16 @@ class Baseline(Memory):
         return value - self.first
 
 
+def _heat(damped: Sequence[ForceBlock], n_q: int) -> Callable[[State], tuple[Floats, Floats]]:
+    """The function from states to damping forces, those with velocities less those without, and the coordinates they work on.
+
+    A damper that relaxes within a step does the work of its mean force on the little way that is left, not its first power
+    for half the step.
+    """
+    dampers = ForceSum(damped, n_q)
+    return lambda state: (dampers.damping(state.t, state.q, state.v), state.q)
+
+
 def energy_signals(equations: Equations) -> list[Signal]:
     """Kinetic and strain energy, work of loads and of moving supports, heat, and the balance of them all.
 
@@ -230,14 +240,6 @@ def energy_signals(equations: Equations) -> list[Signal]:
 
     def strain(state: State) -> float:
         return float(potentials(state).sum())
-
-    def heat(state: State) -> tuple[Floats, Floats]:
-        """Damping forces, those with velocities less those without, and the coordinates on which they work.
-
-        A damper that relaxes within a step does the work of its mean force on the little way that is left, not its first power
-        for half the step.
-        """
-        return dampers.damping(state.t, state.q, state.v), state.q
 
     def power(state: State) -> float:
         return sum(block.dissipation(state.t, state.q, state.v) for block in damped)
@@ -260,8 +262,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
     def supports(state: State) -> float:
         return (along_motions(state) if moves else 0.0) + actuators(state)
 
-    dampers = ForceSum(damped, model.n_q)
-    along_the_way = WorkMeter(heat) if damped else nothing
+    along_the_way = WorkMeter(_heat(damped, model.n_q)) if damped else nothing
 
     def dissipated(state: State) -> float:
         return along_the_way(state) + sum(block.settled_heat() for block in model.forces)

@@ -100,6 +100,12 @@ class StaticRun:
         self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began
 
+    @property
+    def holds_first_matrix(self) -> bool:
+        """Whether the linear solver holds the stiffness at the last point, and the load factor does not change it."""
+        dead = all(load.depends_on_time_alone for load in self.model.loads)
+        return self.search.at_point and dead and not self.equations.elimination.moves
+
     def follow(self, point: Point, between: Between | None = None) -> bool:
         """As :meth:`record`, but an equilibrium on another path than the last one is not taken: the answer is then False."""
         return self._recorded(point, between, jumps=False)
@@ -162,7 +168,7 @@ class StaticRun:
             return outcome
         negative = self.search.negative_at(self.point)
         if negative is None:
-            _, _, k, j = self.equations.linearise(self.point, STATIC)
+            k, j = self.equations.exact_matrix(self.point, STATIC)
             try:
                 self.newton.linear.factorise(k, j)
             except SingularSystemError:

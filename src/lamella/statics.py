@@ -226,13 +226,15 @@ def _climb(
         record: takes each equilibrium, with a function that finds those on the way.
     """
     largest, good = np.inf, 0
+    held = run.holds_first_matrix and put is _set_factor
     for target in targets:
         while at < target:
             step = min(target - at, largest)
             new = target if step >= 0.999 * (target - at) else at + step
             trial = run.point.copy()
             put(trial, new)
-            report = run.newton.solve(trial, STATIC, run.q)
+            report = run.newton.solve(trial, STATIC, run.q, held=held)
+            held = False
             if report.converged:
                 good += 1
                 run.statistics.steps += 1

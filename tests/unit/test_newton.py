@@ -162,6 +162,21 @@ def test_statistics_count_the_work():
     assert statistics.residuals >= report.iterations
 
 
+@pytest.mark.parametrize("options", [{}, {"keep": 0.3}, {"line_search": True}, {"line_search": "residual"}], ids=repr)
+def test_a_matrix_that_is_held_spares_the_first_one_and_changes_nothing(options):
+    solver, point, statistics = problem(**options)
+    reference = solver.equations.coordinates(point)
+    report = solver.solve(point, STATIC, reference)
+    again, start, fewer = problem(**options)
+    _, _, k, j = again.equations.linearise(start, STATIC)
+    again.linear.factorise(k, j)
+    assert again.solve(start, STATIC, reference, held=True) == report
+    np.testing.assert_array_equal(start.u, point.u)
+    spared = options.get("line_search") != "residual"
+    assert (fewer.tangents, fewer.factorisations) == (statistics.tangents - spared, statistics.factorisations - spared)
+    assert (fewer.residuals, fewer.solves) == (statistics.residuals, statistics.solves)
+
+
 def test_too_few_iterations_are_reported_with_the_last_correction():
     solver, point, _ = problem(max_iterations=2)
     report = solver.solve(point, STATIC)

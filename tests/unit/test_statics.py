@@ -36,6 +36,21 @@ def carried(z):
     return E * H * B * z * (RISE**2 - z**2) / (2 * L**3)
 
 
+@pytest.mark.parametrize(
+    ("follower", "moved", "spared"), [(False, 0.0, 1), (True, 0.0, 0), (False, 0.01, 0)], ids=["dead", "follower", "moved"]
+)
+def test_the_stiffness_at_the_start_serves_the_first_iteration_unless_the_load_factor_changes_it(follower, moved, spared):
+    system, plate = lm.System(), lm.Plate("plate", (1.0, 0.3), (3, 1), SECTION)
+    system.add(plate)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PointForce("load", plate.corner("x+y+"), (0, 0, -20.0), follower=follower))
+    if moved:
+        system.add(lm.PrescribedMotion("push", plate.corner("x+y-"), axis="z", displacement=lm.Constant(moved)))
+    found = lm.equilibrium(system).statistics
+    assert found.steps == 1
+    assert found.tangents == found.factorisations == found.newton_iterations + 2 - spared  # two judge stability, at both ends
+
+
 @pytest.mark.parametrize("arc", [None, lm.ArcLength(psi=1e-3), lm.ArcLength(first=0.02, largest=0.005)], ids=repr)
 def test_arc_length_passes_both_limit_points(arc):
     load = 2.0 * LIMIT

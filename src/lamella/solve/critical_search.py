@@ -140,7 +140,7 @@ class CriticalSearch:
         return self.linear.negative_pivots
 
     def _factorise(self, point: Point) -> None:
-        _, _, k, j = self.equations.linearise(point, STATIC)
+        k, j = self.equations.exact_matrix(point, STATIC)
         self.statistics.tangents += 1
         self.statistics.factorisations += 1
         self.linear.factorise(k, j)

@@ -8,10 +8,7 @@ Source: J. W. H. Liu, The multifrontal method for sparse matrix solution, SIAM R
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -19,146 +16,108 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import splu
 
 from lamella.assembly.pattern import Pattern
+from lamella.assembly.pattern_kernels import numbered, sorted_by
 from lamella.roles import Floats, Ints
+from lamella.solve.lists import Lists, starts_of
+from lamella.solve.symbolic_kernels import add_marks, grow_tree, list_rest, merge_fronts, operations, time_of
 
-FRONT_COST = 4000.0
-"""Time to set up a front, in multiplications and additions of the dense kernels (some tens of flops a nanosecond)."""
-ADD_COST = 12.0
-"""Time to add one entry of an update to the parent, in the same unit."""
 HOPELESS = 3.0
 """An order with so many times the operations of another, node by node, is not looked at further."""
 
-Number = TypeVar("Number", float, Floats)
+
+class Fronts(NamedTuple):
+    """The nodes eliminated together, ``pivots``, in order, and those left that they are connected to, ``rest``, of each front.
+
+    Children come before parents; ``cost`` counts the multiplications and additions of all.
+    """
+
+    pivots: Lists
+    rest: Lists
+    cost: float
 
 
-@dataclass
-class Front:
-    """Nodes eliminated together (``pivots``, in order) and the nodes left that they are connected to (``rest``)."""
-
-    pivots: list[int]
-    rest: set[int]
-
-
-def nodes_of(pattern: Pattern) -> tuple[list[Ints], sparse.csr_array]:
-    """Groups of coordinates with the same neighbours, in A and in A^T, and the graph of the groups: ones, with the diagonal."""
-    rows, cols = pattern.rows, np.asarray(pattern.indices, np.int64)
+def nodes_of(pattern: Pattern) -> tuple[Lists, Lists]:
+    """Groups of coordinates with the same neighbours, in A and in A^T, and the neighbours of each group, itself among them."""
+    starts, cols = np.asarray(pattern.indptr, np.int64), np.asarray(pattern.indices, np.int64)
     # Equal sums of random numbers of 64 bits, one for each coordinate, are those of equal sets.
     marks = np.random.default_rng(0).integers(0, 2**64, pattern.n, np.uint64)
-    of_row, of_column = np.add.reduceat(marks[cols], pattern.indptr[:-1]), np.zeros_like(marks)
-    np.add.at(of_column, cols, marks[rows])
-    neighbours = of_row + of_column - marks if pattern.symmetric else of_row + np.uint64(3) * of_column
-    _, heads, group = np.unique(neighbours, return_index=True, return_inverse=True)
-    number = np.empty(len(heads), np.int64)
-    number[np.argsort(heads)] = np.arange(len(heads))  # in the order of their first coordinates
-    group = number[group]
-    of_heads = np.zeros(pattern.n, bool)
-    of_heads[heads] = True
-    kept = of_heads[rows] & of_heads[cols]
-    rows, cols = group[rows[kept]], group[cols[kept]]
-    both, shape = (np.concatenate([rows, cols]), np.concatenate([cols, rows])), (len(heads), len(heads))
-    graph = sparse.csr_array(sparse.coo_array((np.ones(len(both[0])), both), shape=shape))  # sums what is there twice
-    graph.data[:] = 1.0
-    return np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))[:-1]), graph
+    of_row, of_column = np.zeros_like(marks), np.zeros_like(marks)
+    add_marks(starts, cols, marks, of_row, of_column)
+    sums = of_row + of_column - marks if pattern.symmetric else of_row + np.uint64(3) * of_column
+    _, heads, group = np.unique(sums, return_index=True, return_inverse=True)
+    n, number = len(heads), np.empty(len(heads), np.int64)
+    number[np.argsort(heads)] = np.arange(n)  # in the order of their first coordinates
+    members, ends = sorted_by(number[group], n)
+    node = np.full(pattern.n, -1)
+    node[np.sort(heads)] = np.arange(n)
+    beside = Lists(cols, starts).take(np.sort(heads))
+    rows, cols = np.repeat(np.arange(n), np.diff(beside.starts)), node[beside.numbers]
+    rows, cols = rows[cols >= 0], cols[cols >= 0]
+    places, _ = numbered(np.concatenate([rows, cols]), np.concatenate([cols, rows]), n)
+    return Lists(members, np.append(0, ends[:-1])), Lists(places % n, np.searchsorted(places, n * np.arange(n + 1)))
 
 
-def _candidates(graph: sparse.csr_array) -> list[Ints]:
+def _candidates(graph: Lists) -> list[Ints]:
     """Orders worth trying: node at each position."""
-    n = len(graph.indptr) - 1
-    degree = np.diff(graph.indptr)
-    dominant = sparse.csc_array(sparse.diags_array(degree + 1.0) - graph)
-    by_degree = splu(dominant, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c
-    natural = np.arange(n)
-    return [natural, np.asarray(reverse_cuthill_mckee(graph, symmetric_mode=True)), np.argsort(by_degree), np.asarray(by_degree)]
+    near, starts = graph
+    n, degree = len(starts) - 1, np.diff(starts)
+    dominant = np.where(near == np.repeat(np.arange(n), degree), np.repeat(degree, degree), -1.0)
+    matrix = sparse.csc_array((dominant, near, starts), shape=(n, n))
+    by_degree = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c
+    orders = [np.arange(n), reverse_cuthill_mckee(matrix, symmetric_mode=True), np.argsort(by_degree), by_degree]
+    return [np.array(order, np.int64) for order in orders]
 
 
-def _eliminate(graph: sparse.csr_array, order: Ints) -> tuple[list[set[int]], list[int]]:
-    """Neighbours left when each node is eliminated, and its parent in the elimination tree (-1 for a root), by position."""
-    n = len(order)
-    position = np.argsort(order)
-    rows, cols = np.repeat(position, np.diff(graph.indptr)), position[graph.indices]
-    later = np.flatnonzero(cols > rows)
-    later = later[np.argsort(rows[later], kind="stable")]
-    starts = np.searchsorted(rows[later], np.arange(n + 1)).tolist()
-    near = cols[later].tolist()
-    left = [set(near[first:end]) for first, end in pairwise(starts)]
-    parent = [-1] * n
-    for j in range(n):
-        rest = left[j]
-        rest.discard(j)
-        if rest:
-            parent[j] = min(rest)
-            left[parent[j]] |= rest
-    return left, parent
-
-
-def operations(p: Number, u: Number) -> Number:
-    """Multiplications and additions of a front."""
-    return p**3 / 6 + p * p * u / 2 + p * u * u / 2
-
-
-def _cost(p: float, u: float) -> float:
-    return operations(p, u) + FRONT_COST + ADD_COST * u * u / 2
-
-
-def _sums(weight: list[float], sets: Sequence[Iterable[int]]) -> list[float]:
-    """Sums of weights over the members of each set."""
-    return [sum(map(weight.__getitem__, members)) for members in sets]
-
-
-def _merge(left: list[set[int]], parent: list[int], weight: list[float], sizes: list[float]) -> list[Front]:
-    """Fronts in the order of elimination: each child is merged into its parent when that saves time.
+class _Tree:
+    """The elimination of the nodes of a graph in some order, counted by position.
 
     Args:
-        left, parent: as :func:`_eliminate` finds them.
+        graph: neighbours of each node.
         weight: coordinates of each node.
-        sizes: coordinates left when each node is eliminated.
+        order: node at each position.
     """
-    n = len(left)
-    front = [Front([j], left[j]) for j in range(n)]
-    children: list[list[int]] = [[] for _ in range(n)]
-    p, alone = weight.copy(), [_cost(*pair) for pair in zip(weight, sizes, strict=True)]
-    for j in range(n):
-        kept: list[int] = []
-        for c in children[j]:
-            together = _cost(p[c] + p[j], sizes[j])
-            if together <= alone[c] + alone[j]:
-                front[j].pivots = front[c].pivots + front[j].pivots
-                p[j] += p[c]
-                alone[j] = together
-                kept += children[c]
-            else:
-                kept.append(c)
-        children[j] = kept
-        if parent[j] >= 0:
-            children[parent[j]].append(j)
-    ordered: list[Front] = []
-    stack = [j for j in range(n) if parent[j] < 0]
-    while stack:  # parents before children, to be reversed
-        j = stack.pop()
-        ordered.append(front[j])
-        stack += children[j]
-    return ordered[::-1]
+
+    def __init__(self, graph: Lists, weight: Floats, order: Ints) -> None:
+        n = len(order)
+        self._graph, self._order, self._position = graph, order, np.argsort(order)
+        self._weight, self._parent = weight[order], np.empty(n, np.int64)
+        self._count, self._rest = np.empty(n, np.int64), np.empty(n)
+        grow_tree(*self._walked, self._weight, self._parent, self._count, self._rest, np.empty(n, np.int64))
+        self.operations = sum(operations(self._weight, self._rest).tolist())
+        """Multiplications and additions, node by node."""
+
+    @property
+    def _walked(self) -> tuple[Ints, Ints, Ints, Ints]:
+        return self._graph.starts, self._graph.numbers, self._order, self._position
+
+    def merge(self) -> float:
+        """Let nodes share fronts where that saves time; the time of all."""
+        n = len(self._order)
+        pivots, last, length, listed = np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
+        m = merge_fronts(
+            self._parent, self._weight, self._rest, pivots, last, length, listed, np.empty((5, n), np.int64)
+        )  # fmt: skip
+        self._last, self._pivots = last[n - m :], Lists(self._order[listed], starts_of(length[n - m :]))
+        self._sizes = pivots[self._last], self._rest[self._last]
+        return sum(time_of(*self._sizes).tolist())
+
+    def fronts(self) -> Fronts:
+        """The fronts that were merged."""
+        n = len(self._order)
+        starts = starts_of(self._count[self._last])
+        at, rest = np.full(n, -1), np.empty(starts[-1], np.int64)
+        at[self._last] = starts[:-1]
+        list_rest(*self._walked, self._parent, at, rest, np.empty(n, np.int64))
+        return Fronts(self._pivots, Lists(rest, starts), sum(operations(*self._sizes).tolist()))
 
 
-def fronts_of(graph: sparse.csr_array, weight: Floats) -> tuple[list[Front], float]:
-    """The fronts of the cheapest order, in nodes, children before parents, and their multiplications and additions."""
-    best: list[Front] = []
-    cost, of_best = np.inf, 0.0
-    tried = []
-    for order in _candidates(graph):
-        left, parent = _eliminate(graph, order)
-        own = weight[order].tolist()
-        sizes = _sums(own, left)
-        tried.append((order, left, parent, own, sizes, sum(map(operations, own, sizes))))
-    least = min(count for *_, count in tried)
-    for order, left, parent, own, sizes, count in tried:
-        if count > HOPELESS * least:
-            continue
-        fronts = _merge(left, parent, own, sizes)
-        pairs = list(zip(_sums(own, [f.pivots for f in fronts]), _sums(own, [f.rest for f in fronts]), strict=True))
-        total = sum(_cost(*pair) for pair in pairs)
-        if total < cost:
-            cost, of_best = total, sum(operations(*pair) for pair in pairs)
-            node = order.tolist()
-            best = [Front([node[i] for i in f.pivots], {node[i] for i in f.rest}) for f in fronts]
-    return best, of_best
+def fronts_of(graph: Lists, weight: Floats) -> Fronts:
+    """The fronts of the cheapest order, in nodes.
+
+    Args:
+        graph: neighbours of each node, itself among them.
+        weight: coordinates of each node, shape (n,).
+    """
+    trees = [_Tree(graph, weight, order) for order in _candidates(graph)]
+    least = min(tree.operations for tree in trees)
+    return min((tree for tree in trees if tree.operations <= HOPELESS * least), key=_Tree.merge).fronts()

@@ -8,22 +8,16 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
+from lamella.assembly.pattern_kernels import sorted_by
 from lamella.lane import WIDTH
 from lamella.roles import Floats, Indices, Ints
-from lamella.solve.fronts import Front, fronts_of, nodes_of
+from lamella.solve.fronts import Fronts, fronts_of, nodes_of
+from lamella.solve.lists import Lists
+from lamella.solve.symbolic_kernels import place_entries
 
 
 def _up(n: Ints, multiple: int) -> Ints:
     return -(-n // multiple) * multiple
-
-
-def _members(nodes: list[Ints], groups: list[list[int]]) -> tuple[Ints, Ints]:
-    """Coordinates of the nodes of groups, group after group, and how many each group has."""
-    size = np.array([len(node) for node in nodes])
-    listed = np.array([node for group in groups for node in group], dtype=np.int64)
-    owner = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-    counts = np.bincount(owner, size[listed], minlength=len(groups)).astype(np.int64)
-    return np.concatenate([np.zeros(0, np.int64), *(nodes[node] for node in listed)]), counts
 
 
 class Space:
@@ -81,41 +75,43 @@ class FrontLayout:
     def __init__(self, pattern: Pattern) -> None:
         self.n = pattern.n
         nodes, graph = nodes_of(pattern)
-        fronts, self.cost = fronts_of(graph, np.array([len(node) for node in nodes], float))
+        fronts = fronts_of(graph, np.diff(nodes.starts).astype(float))
+        self.cost = fronts.cost
         self._number(nodes, fronts)
         self._lay_out(nodes, fronts)
         self._place_entries(pattern)
 
-    def _number(self, nodes: list[Ints], fronts: list[Front]) -> None:
+    def _number(self, nodes: Lists, fronts: Fronts) -> None:
         """Positions of the coordinates: front after front, each padded to a multiple of four pivots."""
-        self.fronts = np.full((len(fronts) + 1, 11), -1, dtype=np.int64)
-        coords, count = _members(nodes, [front.pivots for front in fronts])
+        coords, starts = nodes.joined(fronts.pivots)
+        count = np.diff(starts)
+        self.fronts = np.full((len(count) + 1, 11), -1, dtype=np.int64)
         self._padded_count = _up(count, 4)
         first = np.cumsum(self._padded_count) - self._padded_count
-        owner = np.repeat(np.arange(len(fronts)), count)
-        self.position, self._front_of = np.zeros(self.n, dtype=np.int64), np.zeros(self.n, dtype=np.int64)
-        self.position[coords] = np.arange(self.n) + (first - np.cumsum(count) + count)[owner]
-        self._front_of[coords] = owner
+        self._front_at = np.repeat(np.arange(len(count)), self._padded_count)
+        self.position = np.empty(self.n, dtype=np.int64)
+        self.position[coords] = np.arange(self.n) + np.repeat(first - starts[:-1], count)
         self.fronts[:-1, 0], self.fronts[:-1, 1] = first, self._padded_count
         self.coordinate = np.full(self._padded_count.sum(), -1)
         self.coordinate[self.position] = np.arange(self.n)
         self.padded = np.flatnonzero(self.coordinate < 0)
 
-    def _lay_out(self, nodes: list[Ints], fronts: list[Front]) -> None:
+    def _lay_out(self, nodes: Lists, fronts: Fronts) -> None:
         """Remaining rows of each front, the runs by which they enter the parent, and where panels and updates lie."""
-        table, n_front = self.fronts, len(fronts)
-        coords, n = _members(nodes, [list(front.rest) for front in fronts])
+        table, n_front = self.fronts, len(self.fronts) - 1
+        coords, starts = nodes.joined(fronts.rest)
+        n = np.diff(starts)
         owner, self.rows = np.repeat(np.arange(n_front), n), self.position[coords]
         self._keys = np.sort(owner * len(self.coordinate) + self.rows)
         """Ascending numbers of the remaining rows of all fronts."""
         self.rows = self._keys % len(self.coordinate)
-        self._start = np.cumsum(n) - n
+        self._start = starts[:-1]
         p, u_len = self._padded_count, _up(n, WIDTH)
         a_len = _up(p + u_len, WIDTH)
         table[:-1, 2], table[:-1, 3], table[:-1, 4], table[:-1, 5] = a_len, np.cumsum(a_len * p) - a_len * p, n, u_len
         table[:-1, 7] = self._start
         parents = np.full(n_front, -1)
-        parents[n > 0] = self._front_of[self.coordinate[self.rows[self._start[n > 0]]]]
+        parents[n > 0] = self._front_at[self.rows[self._start[n > 0]]]
         self._set_runs(owner, parents)
         self.size, self.longest = int((a_len * p).sum()), int(a_len.max())
         self.update_size = self._share_space(parents.tolist(), (u_len**2).tolist())
@@ -158,26 +154,24 @@ class FrontLayout:
         """Slot of each entry of the pattern, and of each pivot, in the panels."""
         p, q = self.position[pattern.rows], self.position[pattern.indices]
         column, row = np.minimum(p, q), np.maximum(p, q)
-        self.above = p < q
-        self.owner = self._front_of[self.coordinate[column]]
-        first, a_len, a0 = (self.fronts[self.owner, i] for i in (0, 2, 3))
-        self.slots = a0 + (column - first) * a_len + self._local(self.owner, row)
-        f = np.repeat(np.arange(len(self.fronts) - 1), self.fronts[:-1, 1])
-        first, a_len, a0 = self.fronts[f, 0], self.fronts[f, 2], self.fronts[f, 3]
-        self.pivots = a0 + (np.arange(len(f)) - first) * (a_len + 1)
+        self.above, self.owner, self.slots = p < q, self._front_at[column], np.empty_like(p)
+        order, ends = sorted_by(self.owner, len(self.fronts) - 1)
+        self._by_front = Lists(order, np.append(0, ends[:-1]))
+        place_entries(*self._by_front, column, row, self.fronts, self.rows, np.empty_like(self.coordinate), self.slots)
+        first, a_len, a0 = (self.fronts[self._front_at, i] for i in (0, 2, 3))
+        self.pivots = a0 + (np.arange(len(first)) - first) * (a_len + 1)
         self.diagonal = np.flatnonzero(p == q)
         self.diagonal_position = p[self.diagonal]
 
     @cached_property
     def entries(self) -> tuple[Indices, Indices, Ints]:
         """Numbers of the entries, -1 for padded pivots, front after front, their slots, and where those of each front begin."""
-        of_padded = np.searchsorted(self.fronts[:-1, 0], self.padded, side="right") - 1
-        owner = np.concatenate([self.owner, of_padded])
-        order = np.argsort(owner, kind="stable")
-        numbers = np.concatenate([np.arange(len(self.owner)), np.full(len(self.padded), -1)])
-        slots = np.concatenate([self.slots, self.pivots[self.padded]])
-        starts = np.searchsorted(owner[order], np.arange(len(self.fronts)))
-        return numbers[order].astype(np.int32), slots[order].astype(np.int32), starts
+        order, starts = self._by_front
+        fronts = self._front_at[self.padded]
+        behind = starts[fronts + 1]
+        numbers, slots = np.insert(order, behind, -1), np.insert(self.slots[order], behind, self.pivots[self.padded])
+        starts = starts + np.searchsorted(fronts, np.arange(len(starts)))
+        return numbers.astype(np.int32), slots.astype(np.int32), starts
 
     def limits(self, k: Floats, tolerance: float) -> Floats:
         """Magnitude that each pivot must exceed, by position: a fraction of its diagonal entry; 0 at padded ones."""

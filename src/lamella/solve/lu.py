@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
+from lamella.assembly.pattern_kernels import sorted_by
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 from lamella.solve import front_solution, lu_kernels
@@ -35,12 +36,11 @@ class MultifrontalLU:
         self.n, self.position, self.magnitude = len(layout.coordinate), layout.position, np.zeros(len(layout.coordinate))
         # Entries front after front, each with its place in the panels of L, or behind them in those of U^T.
         part = 2 * layout.owner + (sources < 0)
-        order = np.argsort(part, kind="stable")
+        order, ends = sorted_by(part, 2 * len(layout.fronts) - 2)
         slots = np.where(layout.above, layout.slots + layout.size, layout.slots)[order]
-        starts = np.searchsorted(part[order], np.arange(2 * len(layout.fronts) - 1))
         numbers = np.where(sources < 0, -1 - sources, sources)[order]
         self._diagonal = sources[layout.diagonal].astype(np.int32)
-        self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.uint32), starts)
+        self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.uint32), np.append(0, ends[:-1]))
         self._padded_at = layout.pivots[layout.padded]
         panels = aligned(2 * layout.size + WIDTH)
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]

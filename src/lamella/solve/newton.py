@@ -137,30 +137,34 @@ class NewtonSolver:
     def _drop(self) -> None:
         self._factored_for = None
 
-    def solve(self, point: Point, weights: Weights, reference: Floats | None = None) -> NewtonReport:
+    def solve(self, point: Point, weights: Weights, reference: Floats | None = None, *, held: bool = False) -> NewtonReport:
         """Correct ``point`` in place until it solves the equations.
 
         Args:
             point: the predicted point; changed in place, meaningless when not converged.
             weights: how the unknown moves q, v and a.
             reference: coordinates q of the last solution, from which stress is extrapolated at the first iteration.
+            held: whether ``linear`` holds the factorisation of the matrix at ``point`` already.
         """
         before, start, known, n = None, point.u, None, self.equations.n_motion
         last = size = np.inf
         self._corrections.forget()
         self._age += 1
         self._slow = 0
+        held = held and self.options.line_search != "residual"  # which asks for the diagonal of the matrix as well
         iteration, renewed = 0, False
         for iteration in range(self.options.max_iterations):
-            fresh = self._factored_for != weights
+            fresh = held or self._factored_for != weights
             try:
                 if known is None or (fresh and known.matrix is None):
-                    known = self._evaluate(point, weights, reference, before, fresh=fresh)
+                    known = self._evaluate(point, weights, reference, before, fresh=fresh and not held)
                 r, phi, matrix = known
                 if not isfinite(r @ r):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 if matrix is not None:
                     self._factorise(matrix, weights)
+                elif held:
+                    self._factored_for, self._age = weights, 0
                 du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
                 self._drop()
@@ -210,7 +214,7 @@ class NewtonSolver:
                 break
             if renewed or (fresh and not untried and not promising):
                 self._drop()
-            last = size
+            last, held = size, False
         self._drop()
         return NewtonReport(Cause.NOT_CONVERGED, iteration + 1, size, f"correction {size:.1e} after {iteration + 1} iterations")
 

@@ -10,8 +10,8 @@ import numpy as np
 from lamella import threads
 from lamella.lane import WIDTH
 from lamella.roles import Floats
-from lamella.solve.fronts import operations
 from lamella.solve.layout import FrontLayout, Space
+from lamella.solve.symbolic_kernels import operations
 
 RATE = 1.2e10
 """Multiplications, each with an addition, that one thread does in a second."""
