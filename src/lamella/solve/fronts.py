@@ -53,8 +53,8 @@ def nodes_of(pattern: Pattern) -> tuple[Lists, Lists]:
     beside = Lists(cols, starts).take(np.sort(heads))
     rows, cols = np.repeat(np.arange(n), np.diff(beside.starts)), node[beside.numbers]
     rows, cols = rows[cols >= 0], cols[cols >= 0]
-    places, _ = numbered(np.concatenate([rows, cols]), np.concatenate([cols, rows]), n)
-    return Lists(members, np.append(0, ends[:-1])), Lists(places % n, np.searchsorted(places, n * np.arange(n + 1)))
+    starts, near, _ = numbered(np.concatenate([rows, cols]), np.concatenate([cols, rows]), n, n)
+    return Lists(members, np.append(0, ends[:-1])), Lists(near, starts)
 
 
 def _candidates(graph: Lists) -> list[Ints]:
