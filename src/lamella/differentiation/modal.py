@@ -9,7 +9,7 @@ from scipy import sparse
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
-from lamella.differentiation.neighbours import FOURTH, WIDE, Neighbours
+from lamella.differentiation.neighbours import FOURTH, STEP, Neighbours
 from lamella.differentiation.solution import PointDerivative
 from lamella.errors import DeclarationError, ModelError
 from lamella.modal import Modes, modes
@@ -75,7 +75,7 @@ def frequency_derivatives(
             for each in neighbours
         ]
         for k, derivative in enumerate(derivatives or ()):
-            step = WIDE / max(float(np.abs(derivative.u / equations.magnitude).max()), np.finfo(float).tiny)
+            step = STEP / max(float(np.abs(derivative.u / equations.magnitude).max()), np.finfo(float).tiny)
             for place, weight in FOURTH:
                 there = derivative.moved(point, place * step)
                 there.lam += place * step * derivative.lam

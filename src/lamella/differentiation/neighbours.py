@@ -14,12 +14,12 @@ from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock
 from lamella.system import System
 
-STEP = 1e-5
-"""Step of central differences, in sizes of what is changed: near the cube root of the rounding unit, 6e-6. It leaves 1e-10 of
-the third derivative and 1e-11 of the value differenced."""
-WIDE = 2e-4
-"""Step of differences of fourth order, in sizes of what is changed: near the fifth root of the rounding unit, 7e-4. It leaves
-1e-14 of the fifth derivative and 1e-12 of the value differenced."""
+STEP = 2e-4
+"""Distance of the models, in sizes of what is changed: near the fifth root of the rounding unit, 7e-4. Central differences leave
+7e-9 of the third derivative, those of fourth order 1e-14 of the fifth, and both 1e-12 of the value differenced."""
+SHORT = 1e-5
+"""Step of central differences along a change of the state, in sizes of what is changed: it bends what moves along a straight line
+by 1e-10 of that."""
 CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
 FOURTH = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
 """Places in steps and weights of the differences."""
@@ -56,8 +56,8 @@ class Neighbours:
 
     @property
     def rule(self) -> tuple[float, tuple[tuple[float, float], ...]]:
-        """Step, in sizes, and places and weights of the difference that suits the parameter."""
-        return (STEP, CENTRAL) if len(self.sides) == len(CENTRAL) else (WIDE, FOURTH)
+        """Step along a change of the state, in sizes, and places and weights of the difference that suits the parameter."""
+        return (SHORT, CENTRAL) if len(self.sides) == len(CENTRAL) else (STEP, FOURTH)
 
     def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
         """The derivative of a function, from its values at the sides."""
@@ -99,27 +99,20 @@ def neighbours_of(name: str, base: Equations, value: float, size: float, made: C
     Raises:
         DeclarationError: there is no model beside the value, or one of another kind.
     """
-    first = _model(name, value + STEP * size, made)
-    above = None
-    if first.n_q != base.model.n_q or np.array_equal(base.model.q0, first.q0):
-        above = _equations(name, base, first)  # which refuses other numbers of unknowns
-    if above is None or _moves(base, above):
-        step, rule, above = WIDE * size, FOURTH, None
-    else:
-        step, rule = STEP * size, CENTRAL
+    step = STEP * size
+    above = _equations(name, base, _model(name, value + step, made))
     sides = []
-    for place, weight in rule:
+    for place, weight in FOURTH if _moves(base, above) else CENTRAL:
         there = value + place * step
-        if above is None or place < 0.0:
-            equations = _equations(name, base, _model(name, there, made))
-        else:
-            equations = above
+        equations = above if place == 1.0 else _equations(name, base, _model(name, there, made))
         sides.append(Side(there - value, weight / step, equations))
     return Neighbours(name, sides)
 
 
 def _moves(base: Equations, there: Equations) -> bool:
-    """Whether a parameter changes coordinates in which unknowns are as they were."""
+    """Whether a parameter changes the reference, or coordinates in which unknowns are as they were."""
+    if not np.array_equal(base.model.q0, there.model.q0):
+        return True
     start = base.start()
     motions = [[row.motion for row in equations.elimination.rows] for equations in (base, there)]
     return not (np.array_equal(base.coordinates(start), there.coordinates(start)) and motions[0] == motions[1])
