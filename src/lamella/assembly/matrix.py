@@ -82,10 +82,10 @@ class MatrixAssembly:
         ends = np.cumsum([len(e.rows) for e in entries])
         paired = [symmetric and _symmetry(block) != "symmetric" for block in blocks]
         self._bounds = _bounds(sum(len(e.rows) for e in entries), len(self._values))
-        self._pairs = np.zeros(2 * len(self._values) if any(paired) else 0)
+        self.pairs = np.zeros(2 * len(self._values) if any(paired) else 0)
         """A_ij and A_ji of blocks that are nearly symmetric, side by side in the pattern's order; 2 A_ii, 0 on the diagonal."""
         self._sums: list[tuple[ForceBlock | None, Floats, ScatterSum, Floats]] = []
-        for pairs, out in ((False, self._values), (True, self._pairs)):
+        for pairs, out in ((False, self._values), (True, self.pairs)):
             bounds = [(1 + pairs) * bound for bound in self._bounds]
             places, sources, factors = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
             for block, e, start, end, part, own in zip(blocks, entries, starts, ends, self.parts, paired, strict=False):
@@ -157,15 +157,11 @@ class MatrixAssembly:
     def _add_range(self, number: int, alpha_a: float) -> None:
         first, end = self._bounds[number : number + 2]
         np.multiply(self.mass[first:end], alpha_a, out=self._values[first:end])
-        self._pairs[2 * first : 2 * end] = 0.0
+        self.pairs[2 * first : 2 * end] = 0.0
         for block, x, total, out in self._sums:
             total.add(x, EVERY if block is None else block.k_used, out, number)
-        if len(self._pairs):
-            _add_means(self._pairs, first, end, self._values)
-
-    def skew(self) -> Floats:
-        """1/2 (A - A^T), which the symmetric matrix evaluated last leaves out, above the diagonal, in the pattern's order."""
-        return 0.5 * (self._pairs[::2] - self._pairs[1::2])
+        if len(self.pairs):
+            _add_means(self.pairs, first, end, self._values)
 
     def jacobian(self, t: float, q: Floats) -> Floats:
         """Values of Phi_q T in the pattern's order."""

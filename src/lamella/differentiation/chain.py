@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,14 +12,14 @@ from lamella.assembly.point import Point
 from lamella.contact.block import ContactBlock
 from lamella.differentiation.exact_matrix import ExactMatrix, exact
 from lamella.differentiation.modal import enough_modes, frequency_derivatives
-from lamella.differentiation.motion import DifferentiatedAlpha
+from lamella.differentiation.motion import DifferentiatedAlpha, differentiated_run
 from lamella.differentiation.neighbours import Neighbours, Side
 from lamella.differentiation.signals import SignalDerivatives
 from lamella.differentiation.solution import PointDerivative, static_derivatives
 from lamella.differentiation.statistics import statistic_derivative
 from lamella.errors import ConvergenceError, DeclarationError
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
-from lamella.io.analysis import Analysis, Computed, Motion
+from lamella.io.analysis import Analysis, Computed, Motion, state_of
 from lamella.io.static_analysis import NaturalModes, Statics
 from lamella.linear.outputs import OF_HISTORY
 from lamella.model import Model
@@ -86,7 +86,7 @@ class Chain:
         self.ends[analysis.name] = found
         for each, derivative in zip(self.neighbours, found, strict=True):
             each.settle(point.t, lambda side, known=derivative: side.equations.coordinates(known.moved(point, side.distance)))
-        self._sample_end(result, outputs, point, found)
+        self._sample_end(outputs, point, found)
 
     def _motion(self, analysis: Motion, outputs: Mapping[str, StudyOutput]) -> None:
         ends = {name: output for name, output in outputs.items() if isinstance(output, SignalOutput) and output.of_end}
@@ -95,30 +95,34 @@ class Chain:
         start = None if analysis.start is None else self.ends[analysis.start]
         assert isinstance(analysis.integrator, GeneralizedAlpha), "refused before"
         last: list[tuple[Point, list[PointDerivative]]] = []
+        sinks = self.sinks()
 
         def sample(point: Point, derivatives: Sequence[PointDerivative]) -> None:
             signals.sample(point, derivatives)
             last[:] = [(point, list(derivatives))]
+            for sink in sinks:
+                sink.sample(point.t, ())
 
         method = DifferentiatedAlpha(analysis.integrator, self.neighbours, start, sample)
-        run = replace(analysis, integrator=method)
         equations = self.equations if len(self.neighbours) <= FEW else exact(self.equations)
-        result = self._completed(analysis, run.run(equations, self.computed, 1, self.sinks()))
+        initial = state_of(analysis, analysis.start, self.computed)
+        result = differentiated_run(equations, method, analysis.t_start, analysis.t_end, initial)
+        for sink in sinks:
+            sink.close(result.outcome, result.statistics)
+        self._completed(analysis, result)
         point, self.ends[analysis.name] = last[0]
         if others:
             steps = len(signals.at)
-            self._keep(result, signals, others, np.unique(np.append(np.arange(0, steps, analysis.stride), steps - 1)))
-        self._sample_end(result, ends, point, self.ends[analysis.name])
+            self._keep(signals, others, np.unique(np.append(np.arange(0, steps, analysis.stride), steps - 1)))
+        self._sample_end(ends, point, self.ends[analysis.name])
 
-    def _sample_end(
-        self, result: Result, outputs: Mapping[str, StudyOutput], point: Point, derivatives: Sequence[PointDerivative]
-    ) -> None:
+    def _sample_end(self, outputs: Mapping[str, StudyOutput], point: Point, derivatives: Sequence[PointDerivative]) -> None:
         """Take outputs from the last state."""
         if not outputs:
             return
         signals = SignalDerivatives(self.equations, self.neighbours, _names(outputs))
         signals.sample(point, derivatives)
-        self._keep(result, signals, outputs, np.array([0]))
+        self._keep(signals, outputs, np.array([0]))
 
     def _modes(self, analysis: NaturalModes, outputs: Mapping[str, StudyOutput]) -> None:
         about = analysis.about
@@ -141,13 +145,13 @@ class Chain:
         self.computed[analysis.name] = computed
         return computed
 
-    def _keep(self, result: Result, signals: SignalDerivatives, outputs: Mapping[str, StudyOutput], recorded: np.ndarray) -> None:
-        """Take the outputs from the samples that the result has recorded."""
+    def _keep(self, signals: SignalDerivatives, outputs: Mapping[str, StudyOutput], recorded: np.ndarray) -> None:
+        """Take the outputs from the samples that a result records."""
         at = np.array(signals.at)[recorded]
         for name, output in outputs.items():
             assert isinstance(output, SignalOutput)
             values, derivatives = (np.array(part[output.signal])[recorded] for part in (signals.values, signals.derivatives))
-            labels = tuple(result.signals[output.signal].labels)
+            labels = signals.labels(output.signal)
             self.values[name] = output.number(at, values, labels)
             self.derivatives[name] = statistic_derivative(output, labels, at, values, derivatives)
 

@@ -54,6 +54,10 @@ class SignalDerivatives:
         self.values: dict[str, list[Floats]] = {name: [] for name in names}
         self.derivatives: dict[str, list[Floats]] = {name: [] for name in names}
 
+    def labels(self, name: str) -> tuple[str, ...]:
+        """Names of a signal's components."""
+        return self._own[name].labels
+
     def sample(self, point: Point, derivatives: Sequence[PointDerivative]) -> None:
         """Take note of a point of the solution."""
         if not self._recorded:

@@ -1,0 +1,79 @@
+"""What a motion does and leaves out where it is run for derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+import lamella as lm
+from lamella.differentiation.family import FunctionFamily
+from lamella.differentiation.gradient import differentiated
+from lamella.errors import ConvergenceError
+from lamella.result import Outcome, Statistics
+from lamella.roles import Floats
+from lamella.state import State
+
+INERTIA, T_END, STEP = 2e-3, 1.0, 0.01
+
+
+def hub(torque: float) -> lm.System:
+    """A hub that a torque spins up."""
+    system = lm.System()
+    ground = system.add(lm.Ground())
+    body = system.add(lm.RigidBody("hub", mass=0.5, inertia=(INERTIA, INERTIA, INERTIA)))
+    system.add(lm.RevoluteJoint("pin", ground.origin, body.origin, axis=(0, 0, 1)))
+    system.add(lm.PointMoment("motor", body.origin, (0, 0, torque)))
+    return system
+
+
+def spin_up(stride: int = 1) -> lm.Motion:
+    return lm.Motion("spin", T_END, lm.GeneralizedAlpha(STEP, newton=lm.Newton(tolerance=1e-12)), stride=stride)
+
+
+@pytest.mark.parametrize("statistic", ["last", "mean"])
+def test_turns_are_counted_although_nothing_is_recorded(statistic: str) -> None:
+    angle = lm.SignalOutput("pin.angle", statistic=statistic)  # type: ignore[arg-type]
+    found = lm.gradient(hub, {"torque": 0.04}, {"angle": angle}, analyses=(spin_up(),))
+    turned = 0.5 * 0.04 / INERTIA * T_END**2 * (1.0 if statistic == "last" else 1.0 / 3.0)
+    assert turned > 3.0
+    assert found.values["angle"] == pytest.approx(turned, rel=1e-2)  # steps of up to 0.2 rad
+    assert found["angle", "torque"] == pytest.approx(found.values["angle"] / 0.04, rel=2e-2)  # linear but for such steps
+
+
+def test_statistics_are_taken_of_the_steps_that_a_result_records() -> None:
+    angle = lm.SignalOutput("pin.angle", statistic="mean")
+    found = lm.gradient(hub, {"torque": 0.04}, {"angle": angle}, analyses=(spin_up(stride=7),))
+    run = lm.simulate(hub(0.04), T_END, spin_up().integrator, stride=7)
+    assert found.values["angle"] == pytest.approx(angle.value(run), rel=1e-9)
+
+
+class Listener:
+    """A sink that interrupts after some samples."""
+
+    def __init__(self, most: int) -> None:
+        self.most, self.times, self.ended = most, [], []  # type: ignore[var-annotated]
+
+    def sample(self, at: float, values: Sequence[Floats]) -> None:
+        self.times.append(at)
+        if len(self.times) > self.most:
+            raise KeyboardInterrupt
+
+    def frame(self, at: float, state: State) -> None:
+        pass
+
+    def close(self, outcome: Outcome, statistics: Statistics) -> None:
+        self.ended.append(outcome.completed)
+
+
+def test_sinks_hear_of_each_step_and_may_interrupt() -> None:
+    outputs = {"angle": lm.SignalOutput("pin.angle")}
+    family = FunctionFamily(hub, (spin_up(),), {"torque": "N m"})
+    whole, cut = Listener(1000), Listener(5)
+    differentiated(family, {"torque": 0.04}, outputs, {}, lambda: (whole,))
+    assert whole.times == pytest.approx([k * STEP for k in range(101)])
+    assert whole.ended == [True]
+    with pytest.raises(ConvergenceError, match="interrupt"):
+        differentiated(family, {"torque": 0.04}, outputs, {}, lambda: (cut,))
+    assert len(cut.times) == 6
+    assert cut.ended == [False]
