@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from lamella.roles import Floats
 
@@ -32,8 +33,7 @@ class Point:
         return Point(self.t, self.u.copy(), self.ud.copy(), self.udd.copy(), self.lam.copy(), self.factor, self.at_rest)
 
 
-@dataclass(frozen=True)
-class Weights:
+class Weights(NamedTuple):
     """dq = alpha_q du, dv = alpha_v du, da = alpha_a du: how coordinates, velocities and accelerations follow the unknown.
 
     Scalar fields have no accelerations; their rates follow by ``rate`` instead of alpha_v.
