@@ -248,7 +248,7 @@ class Equations:
 
     def relative(self, phi: Floats) -> float:
         """Largest value of Phi, each relative to what a change of all coordinates by their magnitudes adds to its row."""
-        return float(np.max(np.abs(phi) / self._row_size[self.constraints.kept], initial=0.0))
+        return float((np.abs(phi) / self._row_size[self.constraints.kept]).max(initial=0.0))
 
     def violation(self, point: Point) -> float:
         """Largest violation of a constraint, relative to the size of the bodies."""
@@ -322,7 +322,8 @@ class Equations:
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
         if not whole:
             return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), NOTHING, point.factor)
-        reaction = self.forces(point.t, q, v) + point.factor * self.loads(point.t, q, v)
+        reaction = point.factor * self.loads(point.t, q, v)
+        reaction += self.forces(point.t, q, v)
         if not point.at_rest:
             self._mass.onto(a, reaction)
         self.constraints.add_force(point.t, q, point.lam, reaction)

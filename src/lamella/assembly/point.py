@@ -28,6 +28,10 @@ class Point:
     factor: float = 1.0
     at_rest: bool = False
 
+    def moved_to(self, u: Floats) -> Point:
+        """The same point at other coordinates."""
+        return Point(self.t, u, self.ud, self.udd, self.lam, self.factor, self.at_rest)
+
     def copy(self) -> Point:
         """An independent copy."""
         return Point(self.t, self.u.copy(), self.ud.copy(), self.udd.copy(), self.lam.copy(), self.factor, self.at_rest)

@@ -238,7 +238,7 @@ class NewtonSolver:
             return Evaluation(*self.equations.residual(point), None)
         previous = None
         if self.options.extrapolate:
-            previous = reference if before is None else self.equations.coordinates(replace(point, u=before))
+            previous = reference if before is None else self.equations.coordinates(point.moved_to(before))
         r, phi, k, j = self.equations.linearise(point, weights, previous)
         self.statistics.tangents += 1
         return Evaluation(r, phi, (k, j))
