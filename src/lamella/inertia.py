@@ -12,7 +12,8 @@ from lamella.roles import Floats, InertiaBlock, Ints
 
 def vector_mass(blocks: Iterable[InertiaBlock], n_vectors: int) -> sparse.csr_array:
     """The matrix m of some blocks, sparse (n_vectors, n_vectors)."""
-    i, j, m = (np.concatenate(part) for part in zip(*(block.mass() for block in blocks), strict=True))
+    nothing = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+    i, j, m = (np.concatenate(part) for part in zip(nothing, *(block.mass() for block in blocks), strict=True))
     return sparse.csr_array(sparse.coo_array((m, (i, j)), shape=(n_vectors, n_vectors)))
 
 

@@ -6,6 +6,7 @@ of coordinate vectors with constant weights: its derivatives are the weights the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,11 +45,11 @@ class VectorRows:
 
     def at(self, vectors: Floats) -> Floats:
         """Its value; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return self.weights @ vectors[self.vectors] + self.constant
+        return self.weights.dot(vectors.take(self.vectors, 0)) + self.constant
 
     def rate(self, velocities: Floats) -> Floats:
         """Its derivative by time from those of all coordinate vectors, shape (n_vectors, 3)."""
-        return self.weights @ velocities[self.vectors]
+        return self.weights.dot(velocities.take(self.vectors, 0))
 
     def __add__(self, other: VectorRows) -> VectorRows:
         return _combined(self, other, 1.0)
@@ -76,6 +77,25 @@ def _combined(a: VectorRows, b: VectorRows, factor: float) -> VectorRows:
         weights = np.bincount(inverse, weights, minlength=len(vectors)).astype(float)
     used = np.abs(weights) > 1e-14 * largest  # differences of equal weights are rounding
     return VectorRows(vectors[used], weights[used], a.constant + factor * b.constant)
+
+
+class StackedRows:
+    """Several linear functions of coordinate vectors, evaluated in one product.
+
+    Args:
+        rows: the functions.
+    """
+
+    def __init__(self, rows: Sequence[VectorRows]) -> None:
+        self._vectors = np.unique(np.concatenate([np.zeros(0, np.int64), *(row.vectors for row in rows)]))
+        self._weights = np.zeros((len(rows), len(self._vectors)))
+        for weights, row in zip(self._weights, rows, strict=True):
+            weights[np.searchsorted(self._vectors, row.vectors)] = row.weights
+        self._constants = np.array([row.constant for row in rows]).reshape(-1, 3)
+
+    def at(self, vectors: Floats) -> Floats:
+        """Their values, shape (n_rows, 3); ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
+        return self._weights.dot(vectors.take(self._vectors, 0)) + self._constants
 
 
 @dataclass(frozen=True)
@@ -130,11 +150,11 @@ class PointRows:
 
     def at(self, vectors: Floats) -> Floats:
         """Position [m] of the point; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return self.position @ vectors[self.vectors] + self.offset
+        return self.position.dot(vectors.take(self.vectors, 0)) + self.offset
 
     def moved(self, velocities: Floats) -> Floats:
         """Velocity [m/s] (or virtual displacement) of the point from those of all vectors, shape (n_vectors, 3)."""
-        return self.position @ velocities[self.vectors]
+        return self.position.dot(velocities.take(self.vectors, 0))
 
     @property
     def point(self) -> VectorRows:

@@ -146,10 +146,8 @@ def _judged(outcome: Outcome, equations: Equations, final: State, recorder: Reco
     found = equations.left_out(equations.point_of(final, final.t), VIOLATED)
     if found:
         warnings.append(f"left out as redundant in what was a singular position, and violated at the end: {found}")
-    names = [signal.name for signal in recorder.signals]
-    kinetic, strain, balance = (
-        np.array([row[names.index(f"energy.{name}")][0] for row in recorder.values]) for name in ("kinetic", "strain", "balance")
-    )
+    samples = recorder.samples()
+    kinetic, strain, balance = (samples[f"energy.{name}"][:, 0] for name in ("kinetic", "strain", "balance"))
     grown, size = float(balance[-1]), float(np.max(np.abs(kinetic) + np.abs(strain)))
     if grown > GROWN * size:
         advice = "take a shorter step, a smaller rho_inf, or the stabilised form"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -177,6 +178,9 @@ class Recorder:
         axis: ``time`` [s], ``load_factor``, or ``path`` (number of the point on an equilibrium path).
         frames: number of equally spaced frames kept over the whole solution.
         sinks: receive every sample and frame at once.
+
+    Attributes:
+        values: of each sample all components of all signals, side by side, shape (n_components,).
     """
 
     signals: Sequence[Signal]
@@ -186,18 +190,26 @@ class Recorder:
     frames: int = 100
     sinks: Sequence[Sink] = ()
     at: list[float] = field(default_factory=list)
-    values: list[list[Floats]] = field(default_factory=list)
+    values: list[Floats] = field(default_factory=list)
     frame_at: list[float] = field(default_factory=list)
     frame_q: list[Floats] = field(default_factory=list)
     frame_v: list[Floats] = field(default_factory=list)
 
+    def __post_init__(self) -> None:
+        ends = np.cumsum([0, *(max(len(signal.labels), 1) for signal in self.signals)]).tolist()
+        self._parts, self._width = [slice(*pair) for pair in pairwise(ends)], ends[-1]
+
     def sample(self, at: float, state: State) -> None:
         """Record ``state`` at axis value ``at``."""
-        row = [np.array(signal.evaluate(state), float, ndmin=1) for signal in self.signals]
+        row = np.empty(self._width)
+        for signal, part in zip(self.signals, self._parts, strict=True):
+            row[part] = signal.evaluate(state)
         self.at.append(at)
         self.values.append(row)
-        for sink in self.sinks:
-            sink.sample(at, row)
+        if self.sinks:
+            values = [row[part] for part in self._parts]
+            for sink in self.sinks:
+                sink.sample(at, values)
         spacing = (self.end - self.start) / max(self.frames, 1)
         due = self.start + len(self.frame_at) * spacing
         if not self.frame_at or (self.axis != "time") or at >= due - 1e-9 * abs(spacing):
@@ -206,6 +218,11 @@ class Recorder:
             self.frame_v.append(state.v.copy())
             for sink in self.sinks:
                 sink.frame(at, state)
+
+    def samples(self) -> dict[str, Floats]:
+        """All samples of each signal by its name, shape (n, n_label), with one column where it has no labels."""
+        rows = np.array(self.values).reshape(-1, self._width)
+        return {signal.name: rows[:, part].copy() for signal, part in zip(self.signals, self._parts, strict=True)}
 
     def pass_over(self, state: State) -> None:
         """Take note of a state that is not recorded, where signals are summed over all."""
@@ -240,8 +257,7 @@ class Result:
         self.signals = {signal.name: signal for signal in recorder.signals}
         self.frame_at = np.asarray(recorder.frame_at)
         self.frame_q, self.frame_v = np.asarray(recorder.frame_q), np.asarray(recorder.frame_v)
-        columns = list(zip(*recorder.values, strict=True)) or [()] * len(self.signals)
-        self._values = {name: np.asarray(column) for name, column in zip(self.signals, columns, strict=True)}
+        self._values = recorder.samples()
 
     @property
     def events(self) -> tuple[Happening, ...]:

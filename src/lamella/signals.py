@@ -14,7 +14,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import SumOperator
 from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Signal, Support
-from lamella.kinematics import vectors_of
+from lamella.kinematics import StackedRows, vectors_of
 from lamella.memory import Memory
 from lamella.roles import Floats, ForceBlock, Ints
 from lamella.state import OncePerState, State
@@ -93,10 +93,11 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     if frame is None:
         return signals
 
-    into_frame = OncePerState(lambda state: frame.rotation(vectors_of(state.q)).T)
+    axes = StackedRows(frame.axes)
+    into_frame = OncePerState(lambda state: axes.at(vectors_of(state.q)))  # R_WF^T, whose rows are the axes
 
     def local(evaluate: Callable[[State], Floats]) -> Callable[[State], Floats]:
-        return lambda state: into_frame(state) @ evaluate(state)
+        return lambda state: into_frame(state).dot(evaluate(state))
 
     where = "in the joint frame of a"
     return [

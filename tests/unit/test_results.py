@@ -48,6 +48,16 @@ def run(sinks: tuple[ResultWriter, ...] = (), steps: int = 40, axis: str = "time
     return recorder
 
 
+def test_a_sample_keeps_all_components_side_by_side() -> None:
+    recorder = run(steps=2)
+    samples, states = recorder.samples(), [state_at(t) for t in (0.0, 0.5, 1.0)]
+    assert [signal.name for signal in SIGNALS] == list(samples)
+    for signal in SIGNALS:
+        expected = np.reshape([signal.evaluate(state) for state in states], (3, max(len(signal.labels), 1)))
+        assert np.array_equal(samples[signal.name], expected)
+    assert [part.shape for part in Recorder(SIGNALS, "time", 0.0, 1.0).samples().values()] == [(0, 3), (0, 1), (0, 2)]
+
+
 def small_system() -> lm.System:
     system = lm.System()
     sheet = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=0.01)

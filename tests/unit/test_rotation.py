@@ -11,11 +11,13 @@ from scipy.linalg import expm
 from lamella.errors import LamellaError
 from lamella.math.rotation import (
     euler_from_matrix,
+    euler_from_rotation,
     matrix_from_euler,
     matrix_from_quaternion,
     matrix_from_vector,
     polar,
     quaternion_from_matrix,
+    quaternion_from_rotation,
     vector_from_matrix,
 )
 
@@ -38,6 +40,23 @@ def test_ways_back(vector: np.ndarray) -> None:
     np.testing.assert_allclose(matrix_from_quaternion(quaternion_from_matrix(R)), R, atol=1e-13)
     if abs(R[2, 0]) < 0.999:  # away from a pitch of 90 degrees
         np.testing.assert_allclose(matrix_from_euler(euler_from_matrix(R)), R, atol=1e-12)
+
+
+@given(vectors)
+def test_what_is_recorded_is_what_scipy_finds(vector: np.ndarray) -> None:
+    R = matrix_from_vector(vector)
+    np.testing.assert_allclose(quaternion_from_rotation(R), quaternion_from_matrix(R), atol=1e-13)
+    if abs(R[2, 0]) < 0.999:
+        np.testing.assert_allclose(euler_from_rotation(R), euler_from_matrix(R), atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, -1, 0), (0, 0, 1), (0.6, 0.0, -0.8), (0.36, 0.48, 0.8)])
+def test_quaternion_of_a_half_turn(axis: tuple[float, float, float]) -> None:
+    R = matrix_from_vector(np.pi * np.array(axis))
+    found = quaternion_from_rotation(R)
+    assert found[0] >= 0.0
+    np.testing.assert_allclose(np.abs(found), np.abs([0.0, *axis]), atol=1e-15)
+    np.testing.assert_allclose(matrix_from_quaternion(found), R, atol=1e-15)
 
 
 def test_conventions() -> None:

@@ -8,6 +8,7 @@ from test_bdf import on_a_spring
 
 import lamella as lm
 from lamella.integrate.base import StepOutcome
+from lamella.integrate.change import LARGEST_TURN
 from lamella.integrate.generalized_alpha import GeneralizedAlphaStepper
 from lamella.motion import WAIT
 from lamella.result import Cause
@@ -54,3 +55,13 @@ def test_a_step_that_failed_is_not_tried_again_at_once(monkeypatch):
     assert done.rejected >= 2
     assert done.steps >= WAIT * (done.rejected - 1)
     assert done.steps == pytest.approx(1.0 / 0.008, rel=0.2)  # 1, 2, 4, 8 ms, then 16 ms is tried now and then
+
+
+def test_no_step_turns_a_slope_by_more_than_a_radian():
+    """A body that spins by 2 rad a step moves the components of its axes by more than 1 at once: such steps are cut."""
+    system = lm.System()
+    system.add(lm.RigidBody("top", mass=1.0, inertia=(1.0, 1.0, 1.0), angular_velocity=(0.0, 0.0, 20.0)))
+    whole, half = (lm.simulate(system, 0.4, lm.GeneralizedAlpha(dt=dt)) for dt in (0.1, 0.04))
+    assert whole.statistics.rejected > 0
+    assert half.statistics.rejected == 0
+    assert np.abs(np.diff(whole.samples("top.rotation"), axis=0)).max() <= LARGEST_TURN

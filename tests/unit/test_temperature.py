@@ -9,6 +9,7 @@ import lamella as lm
 from lamella.assembly.equations import Equations
 from lamella.dofs import Build
 from lamella.errors import ModelError
+from lamella.thermal.mesh import ElementSum
 
 E, ALPHA, K, C, RHO, H = 70e9, 2e-5, 200.0, 900.0, 2700.0, 2e-3
 SHEET = lm.Laminate(lm.Isotropic(E=E, nu=0.0, rho=RHO, alpha=ALPHA, k=K, c=C), thickness=H)
@@ -33,6 +34,11 @@ def two_panels():
     for item in (fields[0], ground, *plates, pin, weld, fields[1]):  # whatever the order in which they are added
         system.add(item)
     return system.compile()
+
+
+def test_weights_are_collected_node_by_node():
+    coords, weights, q = np.array([[4, 5, 8], [5, 9, 4], [8, 4, 5]]), np.array([0.5, -2.0, 3.0]), np.arange(12.0) ** 2
+    assert ElementSum(coords, weights)(q) == (q[coords] @ weights).sum()  # of small halves, exactly
 
 
 def test_temperatures_lie_behind_all_vectors():

@@ -22,6 +22,7 @@ class ConstraintStack:
         self.n_all = sum(block.n_lam for block in blocks)
         self.blocks = [(block, slice(block.first, block.first + block.n_lam)) for block in blocks if block.n_lam]
         self.moves = any(block.moves for block, _ in self.blocks)
+        self._entries = [(block, part, np.empty(len(block.j_rows))) for block, part in self.blocks]
         self.kept: Ints = np.arange(self.n_all)
 
     @property
@@ -53,7 +54,8 @@ class ConstraintStack:
 
     def phi(self, t: float, q: Floats) -> Floats:
         """Phi, shape (n_lam,)."""
-        return self.phi_of_all(t, q)[self.kept]
+        every = self.phi_of_all(t, q)
+        return every if len(every) == self.n_lam else every[self.kept]
 
     def phi_of_all(self, t: float, q: Floats) -> Floats:
         """Phi of all rows, shape (n_all,)."""
@@ -108,8 +110,8 @@ class ConstraintStack:
         return out
 
     def _jacobians(self, t: float, q: Floats) -> Iterator[tuple[ConstraintBlock, slice, Floats]]:
-        for block, part in self.blocks:
-            values = np.empty(len(block.j_rows))
+        """Each block with its rows and the entries of its Phi_q, which the next call overwrites."""
+        for block, part, values in self._entries:
             block.jacobian(t, q, values)
             yield block, part, values
 

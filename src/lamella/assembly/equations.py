@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +12,7 @@ from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.operator import SumOperator, VectorOperator, mass_operator
+from lamella.assembly.operator import SumOperator, VectorOperator
 from lamella.assembly.point import Point, Weights
 from lamella.assembly.product import SkewProduct
 from lamella.assembly.recent import Recent
@@ -136,9 +135,8 @@ class Equations:
 
     def coordinates(self, point: Point) -> Floats:
         """All coordinates q, shape (n_q,)."""
-        q = self.expand(point.u)
-        q += self._moved_at(point.t, point.factor) if self.elimination.moves else self._fixed
-        return q
+        from_supports = self._moved_at(point.t, point.factor) if self.elimination.moves else self._fixed
+        return self.expand.onto(point.u, from_supports.copy())
 
     def forget(self) -> None:
         """Evaluate anew what is known for a time: a function of time has been given another course."""
@@ -251,7 +249,7 @@ class Equations:
 
     def relative(self, phi: Floats) -> float:
         """Largest value of Phi, each relative to what a change of all coordinates by their magnitudes adds to its row."""
-        return float(np.max(np.abs(phi) / self._row_size[self.constraints.kept], initial=0.0))
+        return float((np.abs(phi) / self._row_size[self.constraints.kept]).max(initial=0.0))
 
     def violation(self, point: Point) -> float:
         """Largest violation of a constraint, relative to the size of the bodies."""
@@ -268,32 +266,29 @@ class Equations:
         return self._mass(v)
 
     @cached_property
-    def _mass(self) -> Callable[[Floats], Floats]:
+    def _mass(self) -> VectorOperator:
         """M in all coordinates; made when first needed, as the next, since statics needs neither."""
-        return self._of_same_mass._mass if self._of_same_mass else mass_operator(self.model.mass)
+        return self._of_same_mass._mass if self._of_same_mass else VectorOperator(self.model.vector_mass)
 
     @cached_property
     def _of_same_mass(self) -> Equations | None:
         """The equations like which these are, if they have the same T and M, and so the same operators of inertia."""
-        M, known = self.model.mass, self._known
-        if known is None or M.nnz != known.model.mass.nnz or abs(M - known.model.mass).max() > 0.0:
+        m, known = self.model.vector_mass, self._known
+        if known is None or m.nnz != known.model.vector_mass.nnz or abs(m - known.model.vector_mass).max() > 0.0:
             return None
         return known
 
     @cached_property
-    def _inertia(self) -> Callable[[Floats], Floats]:
-        """T^T M T; where it does not go by vectors but M does, three products are faster than one."""
+    def _inertia(self) -> VectorOperator | None:
+        """T^T M T; None where it does not go by vectors, since three products are faster then."""
         if self._of_same_mass:
             return self._of_same_mass._inertia
         T = self.elimination.T
-        whole = mass_operator(sparse.csr_array(T.T @ self.model.mass @ T))
-        if isinstance(whole, VectorOperator) or not isinstance(self._mass, VectorOperator):
-            return whole
-        return lambda udd: self._gather(self._mass(self.expand(udd)))
+        return VectorOperator.within(sparse.csr_array(T.T @ self.model.mass @ T))
 
     def inertia_force(self, udd: Floats) -> Floats:
         """T^T M T udd, shape (n_u,)."""
-        return self._inertia(udd)
+        return self._inertia(udd) if self._inertia else self._gather(self._mass(self.expand(udd)))
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
@@ -327,22 +322,28 @@ class Equations:
         q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
         if not whole:
             return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), NOTHING, point.factor)
-        reaction = self.forces(point.t, q, v) + point.factor * self.loads(point.t, q, v)
+        reaction = point.factor * self.loads(point.t, q, v)
+        reaction += self.forces(point.t, q, v)
         if not point.at_rest:
-            reaction += self._mass(a)
+            self._mass.onto(a, reaction)
         self.constraints.add_force(point.t, q, point.lam, reaction)
         return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), reaction, point.factor)
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""
-        r = self.forces.reduced() + point.factor * self.loads.reduced()
+        r = point.factor * self.loads.reduced()
+        r += self.forces.reduced()
+        unreduced = None
         if not point.at_rest:
-            r += self._inertia(point.udd)
+            if self._inertia:
+                self._inertia.onto(point.udd, r)
+            else:
+                unreduced = self._mass(self.expand(point.udd))
             if self.elimination.moves:
                 r += self._carried_at(point.t)
-        if not self.n_lam:
-            return r, NOTHING
-        force = np.zeros(self.model.n_q)
-        self.constraints.add_force(point.t, q, point.lam, force)
-        r += self._gather(force)
-        return r, self.constraints.phi(point.t, q)
+        if self.n_lam:
+            unreduced = np.zeros(self.model.n_q) if unreduced is None else unreduced
+            self.constraints.add_force(point.t, q, point.lam, unreduced)
+        if unreduced is not None:
+            self._gather.onto(unreduced, r)
+        return r, self.constraints.phi(point.t, q) if self.n_lam else NOTHING

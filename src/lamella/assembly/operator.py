@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from lamella._jit import kernel, shared
+from lamella._jit import inlined, kernel, shared
 from lamella.assembly.pattern_kernels import in_layers, runs_of, sorted_by, tabulated
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
@@ -34,9 +34,9 @@ class SumOperator:
         place[order] = np.arange(n_targets)
         by_row, _ = sorted_by(place[targets], n_targets)
         self.n = n_targets
-        self.targets: Indices = order.astype(np.int32)
+        self.targets: Places = order.astype(np.uint32)
         self.group_ends = np.concatenate([[0], np.cumsum(np.bincount(lengths, minlength=1))]).astype(np.int32)
-        self.sources: Indices = sources[by_row].astype(np.int32)
+        self.sources: Places = sources[by_row].astype(np.uint32)
         self.factors = factors[by_row]
 
     @classmethod
@@ -55,40 +55,49 @@ class SumOperator:
 
     def __call__(self, x: Floats) -> Floats:
         """The sums in a new array, shape (n_targets,)."""
-        return self.into(x, np.empty(self.n))
+        return self.onto(x, np.zeros(self.n))
 
-    def into(self, x: Floats, out: Floats) -> Floats:
-        """Overwrite ``out`` with the sums and return it."""
-        _sum(self.group_ends, self.targets, self.sources, self.factors, x, out)
+    def onto(self, x: Floats, out: Floats) -> Floats:
+        """Add the sums to ``out`` (n_targets,) and return it."""
+        _add_sums(self.group_ends, self.targets, self.sources, self.factors, x, out)
         return out
 
 
+Places = NDArray[np.uint32]
+"""Places in arrays, without sign, so that Numba does not look for negative ones."""
+
+
 @kernel
-def _sum(group_ends: Indices, targets: Indices, sources: Indices, factors: Floats, x: Floats, out: Floats) -> None:
+def _add_sums(group_ends: Indices, targets: Places, sources: Places, factors: Floats, x: Floats, out: Floats) -> None:
     at = 0
-    for length in range(len(group_ends) - 1):
+    for length in range(1, len(group_ends) - 1):
         first, end = group_ends[length], group_ends[length + 1]
         if length == 1:
             for i in range(first, end):
-                out[targets[i]] = factors[at] * x[sources[at]]
+                out[targets[i]] += _term(factors, sources, x, at)
                 at += 1
         elif length == 2:
             for i in range(first, end):
-                out[targets[i]] = factors[at] * x[sources[at]] + factors[at + 1] * x[sources[at + 1]]
+                out[targets[i]] += _term(factors, sources, x, at) + _term(factors, sources, x, at + 1)
                 at += 2
         elif length == 4:
             for i in range(first, end):
-                one = factors[at] * x[sources[at]] + factors[at + 1] * x[sources[at + 1]]
-                two = factors[at + 2] * x[sources[at + 2]] + factors[at + 3] * x[sources[at + 3]]
-                out[targets[i]] = one + two
+                one = _term(factors, sources, x, at) + _term(factors, sources, x, at + 1)
+                two = _term(factors, sources, x, at + 2) + _term(factors, sources, x, at + 3)
+                out[targets[i]] += one + two
                 at += 4
         else:
             for i in range(first, end):
                 total = 0.0
                 for k in range(at, at + length):
-                    total += factors[k] * x[sources[k]]
-                out[targets[i]] = total
+                    total += _term(factors, sources, x, k)
+                out[targets[i]] += total
                 at += length
+
+
+@inlined
+def _term(factors: Floats, sources: Places, x: Floats, k: int) -> float:
+    return number_at(factors, k) * number_at(x, number_at(sources, k))
 
 
 class ScatterSum:
@@ -148,51 +157,79 @@ def _add_parts(
 class VectorOperator:
     """y = (E x I3) x for vectors stacked in one array: the same sums for each component, with a third of the look-ups.
 
-    A vector is loaded as a lane, whose surplus numbers are not looked at.
+    A vector is loaded as a lane, whose surplus numbers are not looked at. Four rows are summed together, with zeros where not all
+    of them have an entry: those of a node's position and slopes have theirs at nearly the same places.
 
     Args:
         scalar: E, sparse (n, n).
     """
 
     def __init__(self, scalar: sparse.csr_array) -> None:
-        self.starts: Indices = scalar.indptr.astype(np.int32)
-        self.sources: Indices = (3 * scalar.indices).astype(np.int32)
-        self.factors = scalar.data.astype(float)
-        self._x = np.zeros(3 * (len(self.starts) - 1) + WIDTH)
-        self._y = np.zeros_like(self._x)
+        n = len(scalar.indptr) - 1
+        ends = np.append(scalar.indptr, np.full(-n % TOGETHER, scalar.nnz))
+        rows = sparse.csr_array((scalar.data, scalar.indices, ends), shape=(len(ends) - 1, n)).tobsr((TOGETHER, 1))
+        self.n = 3 * n
+        self._starts: Indices = rows.indptr.astype(np.int32)
+        self._sources: Places = (3 * rows.indices).astype(np.uint32)
+        self._factors = rows.data.astype(float).reshape(-1)
+        self._x, self._y = np.zeros(self.n + WIDTH), np.zeros(3 * (len(ends) - 1) + WIDTH)
+
+    @classmethod
+    def within(cls, matrix: sparse.csr_array) -> VectorOperator | None:
+        """The product with a mass matrix (n, n), if it treats the three components of each vector alike.
+
+        In independent coordinates it does as long as supports hold whole vectors. Behind the vectors may lie scalar fields, which
+        have no mass.
+        """
+        massive = np.flatnonzero(np.diff(matrix.indptr))
+        n = 3 * (int(massive[-1]) // 3 + 1) if len(massive) else 0
+        if not 0 < n <= len(matrix.indptr) - 1:
+            return None
+        vectors = sparse.csr_array(matrix[:n, :n])
+        scalar = sparse.csr_array(vectors[::3, ::3])
+        alike = abs(vectors - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max()
+        return cls(scalar) if alike else None
 
     def __call__(self, x: Floats) -> Floats:
-        """The sums in a new array, shape (3 n,)."""
-        out = np.empty_like(x)
-        _sum_vectors(self.starts, self.sources, self.factors, x, self._x, self._y, out)
+        """The sums in a new array, as long as x."""
+        return self.onto(x, np.zeros(len(x)))
+
+    def onto(self, x: Floats, out: Floats) -> Floats:
+        """Add the sums to ``out`` and return it; what lies behind the 3 n numbers of vectors is left alone in both."""
+        _add_vectors(self._starts, self._sources, self._factors, x, self._x, self._y, out, self.n)
         return out
 
 
-def mass_operator(matrix: sparse.csr_array) -> SumOperator | VectorOperator:
-    """The faster operator of a mass matrix (n, n): by vectors where it treats the three components of each alike.
-
-    In all coordinates it does; in the independent ones as long as supports hold whole vectors.
-    """
-    if matrix.nnz and (len(matrix.indptr) - 1) % 3 == 0:
-        scalar = sparse.csr_array(matrix[::3, ::3])
-        if abs(matrix - sparse.kron(scalar, sparse.eye_array(3))).max() <= 1e-12 * abs(matrix).max():
-            return VectorOperator(scalar)
-    return SumOperator.of(matrix)
+TOGETHER = 4
+"""Rows of a :class:`VectorOperator` that are summed together."""
 
 
 @kernel
-def _sum_vectors(starts: Indices, sources: Indices, factors: Floats, x: Floats, longer: Floats, y: Floats, out: Floats) -> None:
+def _add_vectors(
+    starts: Indices, sources: Places, factors: Floats, x: Floats, longer: Floats, y: Floats, out: Floats, n: int
+) -> None:
     """Even and odd entries of a row are summed apart, as additions would wait for each other."""
-    for i in range(len(x)):
+    for i in range(n):
         longer[i] = x[i]
-    for i in range(len(starts) - 1):
-        even, odd = spread(0.0), spread(0.0)
-        end = starts[i + 1]
-        for k in range(starts[i], end - 1, 2):
-            even = even + factors[k] * load_at(longer, sources[k])
-            odd = odd + factors[k + 1] * load_at(longer, sources[k + 1])
-        if (end - starts[i]) % 2:
-            even = even + factors[end - 1] * load_at(longer, sources[end - 1])
-        store_at(y, 3 * i, even + odd)  # what is written beyond the vector is overwritten by the next, or lies behind the last
-    for i in range(len(out)):
-        out[i] = y[i]
+    for group in range(len(starts) - 1):
+        first, end = starts[group], starts[group + 1]
+        e0, e1, e2, e3 = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+        o0, o1, o2, o3 = e0, e1, e2, e3
+        for k in range(first, end - 1, 2):
+            even, odd = load_at(longer, number_at(sources, k)), load_at(longer, number_at(sources, k + 1))
+            at = TOGETHER * k
+            e0, o0 = e0 + number_at(factors, at) * even, o0 + number_at(factors, at + 4) * odd
+            e1, o1 = e1 + number_at(factors, at + 1) * even, o1 + number_at(factors, at + 5) * odd
+            e2, o2 = e2 + number_at(factors, at + 2) * even, o2 + number_at(factors, at + 6) * odd
+            e3, o3 = e3 + number_at(factors, at + 3) * even, o3 + number_at(factors, at + 7) * odd
+        if (end - first) % 2:
+            even, at = load_at(longer, number_at(sources, end - 1)), TOGETHER * (end - 1)
+            e0, e1 = e0 + number_at(factors, at) * even, e1 + number_at(factors, at + 1) * even
+            e2, e3 = e2 + number_at(factors, at + 2) * even, e3 + number_at(factors, at + 3) * even
+        to = 3 * TOGETHER * group
+        store_at(y, to, e0 + o0)  # what is written beyond a vector is overwritten by the next, or lies behind the last
+        store_at(y, to + 3, e1 + o1)
+        store_at(y, to + 6, e2 + o2)
+        store_at(y, to + 9, e3 + o3)
+    for i in range(n):
+        out[i] += y[i]

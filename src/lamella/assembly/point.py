@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from lamella.roles import Floats
 
@@ -27,13 +28,16 @@ class Point:
     factor: float = 1.0
     at_rest: bool = False
 
+    def moved_to(self, u: Floats) -> Point:
+        """The same point at other coordinates."""
+        return Point(self.t, u, self.ud, self.udd, self.lam, self.factor, self.at_rest)
+
     def copy(self) -> Point:
         """An independent copy."""
         return Point(self.t, self.u.copy(), self.ud.copy(), self.udd.copy(), self.lam.copy(), self.factor, self.at_rest)
 
 
-@dataclass(frozen=True)
-class Weights:
+class Weights(NamedTuple):
     """dq = alpha_q du, dv = alpha_v du, da = alpha_a du: how coordinates, velocities and accelerations follow the unknown.
 
     Scalar fields have no accelerations; their rates follow by ``rate`` instead of alpha_v.

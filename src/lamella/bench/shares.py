@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cProfile
 import pstats
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 
 from lamella.bench.row import Row
@@ -13,7 +14,7 @@ PARTS = {
     "solution": ("multifrontal.py", "solve"),
     "element tangents": ("kernels.py", "force_tangent"),
     "element forces": ("kernels.py", "force"),
-    "sums and mass": ("operator.py", "into"),
+    "sums and mass": ("operator.py", "onto"),
     "recording": ("result.py", "sample"),
 }
 """Name of a part to file and function that does it."""
@@ -24,8 +25,10 @@ def shares(case: str, code: str, call: Callable[[], object]) -> Iterator[Row]:
     profile = cProfile.Profile()
     profile.runcall(call)
     stats = pstats.Stats(profile)
-    rows = {(path.replace("\\", "/").rsplit("/", 1)[-1], name): row for (path, _, name), row in stats.stats.items()}  # pyright: ignore
+    times: defaultdict[tuple[str, str], float] = defaultdict(float)
+    for (path, _, name), row in stats.stats.items():  # pyright: ignore
+        times[path.replace("\\", "/").rsplit("/", 1)[-1], name] += row[3]
     for part, key in PARTS.items():
-        if key in rows:
-            percent = 100.0 * rows[key][3] / stats.total_tt  # pyright: ignore
+        if key in times:
+            percent = 100.0 * times[key] / stats.total_tt  # pyright: ignore
             yield Row(case=case, code=code, what=part, time=percent, unit="% of the run")

@@ -53,8 +53,7 @@ class DotBlock(ConstraintBlock):
         return self._moved("value", t)
 
     def phi(self, t: float, q: Floats, out: Floats) -> None:
-        _values(self._row, self._k, self._l, self._w, self._single_row, self._single, self._c, q, out)
-        out -= self._constant
+        _values(self._row, self._k, self._l, self._w, self._single_row, self._single, self._c, self._constant, q, out)
         if self._motions:
             out -= self._moved("value", t)
 
@@ -113,12 +112,16 @@ def _products(row: Ints, k: Ints, m: Ints, w: Floats, x: Floats, out: Floats) ->
 
 
 @njit
-def _values(row: Ints, k: Ints, m: Ints, w: Floats, single_row: Ints, single: Ints, c: Floats, x: Floats, out: Floats) -> None:
-    """out_i = sum_p w_p x_kp . x_mp + sum_s c_s . x_ks."""
+def _values(
+    row: Ints, k: Ints, m: Ints, w: Floats, single_row: Ints, single: Ints, c: Floats, constant: Floats, x: Floats, out: Floats
+) -> None:
+    """out_i = sum_p w_p x_kp . x_mp + sum_s c_s . x_ks - constant_i."""
     _products(row, k, m, w, x, out)
     for s in range(single_row.size):
         a = single[s]
         out[single_row[s]] += c[s, 0] * x[a] + c[s, 1] * x[a + 1] + c[s, 2] * x[a + 2]
+    for i in range(len(out)):
+        out[i] -= constant[i]
 
 
 @njit

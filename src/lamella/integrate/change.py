@@ -19,6 +19,9 @@ class ChangeSize:
 
     Args:
         equations: the equations of the model.
+
+    Attributes:
+        per_slope: one over the magnitude of each slope, 0 for what is none, shape (n_motion,).
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -27,7 +30,7 @@ class ChangeSize:
         measured = chosen if chosen.any() else ~chosen  # errors are displacements; slopes would weigh short waves too much
         self._measured = np.flatnonzero(measured)
         self._per_size, self.n = 1.0 / equations.magnitude, n
-        self._per_slope = self._per_size[:n] * ~chosen
+        self.per_slope = self._per_size[:n] * ~chosen
 
     def error(self, du: Floats) -> float:
         """Root mean square of the displacements, or that of the scalar fields if it is larger."""
@@ -37,7 +40,7 @@ class ChangeSize:
 
     def turn(self, du: Floats) -> float:
         """Largest change of a slope."""
-        return float(np.max(np.abs(du[: self.n] * self._per_slope), initial=0.0))
+        return float(np.max(np.abs(du[: self.n] * self.per_slope), initial=0.0))
 
 
 def refuse_folding(report: NewtonReport, turn: float) -> NewtonReport:

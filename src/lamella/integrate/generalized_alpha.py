@@ -177,13 +177,12 @@ class GeneralizedAlphaStepper(Stepper):
         report = self.newton.solve(new, weights, self.q)
         if self.stabilised and report.converged:
             new = self.stabilised.finished(new)
-        report = refuse_folding(report, self.change.turn(new.u - old.u))
+        a_new, sizes = np.empty_like(a), (self._per_size, self.change.per_slope)
+        smooth, turn = _finish(old.u, old.ud, old.udd, a, new.u, new.udd, dt, *self._shares, *sizes, a_new)
+        report = refuse_folding(report, turn)
         if not report.converged:
             self._new = None
             return StepOutcome(report, None)
-        # From the accelerations: the difference of positions would divide their rounding by dt^2.
-        a_new = np.empty_like(a)
-        smooth = _finish(old.u, old.ud, old.udd, a, new.u, new.udd, dt, *self._shares, self._per_size, a_new)
         s_new = self.fields.algorithmic(old.ud[n:], new.ud[n:])
         self._new = new, a_new, s_new, dt, smooth
         if self.options.tolerance is None:
@@ -250,14 +249,19 @@ def _predict(
 @njit
 def _finish(
     u: Floats, ud: Floats, udd: Floats, a: Floats, u_new: Floats, udd_new: Floats, dt: float,
-    of_new: float, of_old: float, of_a: float, per_size: Floats, a_new: Floats,
-) -> bool:  # fmt: skip
-    """The new algorithmic acceleration, and whether the prediction with the old one came nearer than that without."""
+    of_new: float, of_old: float, of_a: float, per_size: Floats, per_slope: Floats, a_new: Floats,
+) -> tuple[bool, float]:  # fmt: skip
+    """The new algorithmic acceleration, from the true one: the difference of positions would divide their rounding by dt^2.
+
+    Returns:
+        Whether the prediction with the old one came nearer than that without, and the largest change of a slope.
+    """
     for i in range(len(u)):
         a_new[i] = of_new * udd_new[i] + of_old * udd[i] + of_a * a[i]
-    with_it = without = 0.0
+    with_it = without = turn = 0.0
     for i in range(len(per_size)):
         moved = u_new[i] - u[i] - dt * ud[i]
         with_it += abs(moved - 0.5 * dt**2 * a[i]) * per_size[i]
         without += abs(moved) * per_size[i]
-    return with_it < without
+        turn = max(turn, abs((u_new[i] - u[i]) * per_slope[i]))
+    return with_it < without, turn

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.sparse.linalg import SuperLU, splu
 
@@ -52,10 +50,10 @@ class StabilisedEquations:
     def corrected(self, point: Point) -> Point:
         """The point with w replaced by positions that obey the constraints; NaN where there are none near by."""
         if point.u is self._last[0]:
-            return replace(point, u=self._last[1])
+            return point.moved_to(self._last[1])
         eta, lu, last = self._eta, self._at_old, np.inf
         for _ in range(CORRECTIONS):
-            found = replace(point, u=point.u + self._directions @ eta)
+            found = point.moved_to(point.u + self._directions @ eta)
             phi = self.equations.position_violation(found)
             size = self.equations.relative(phi)
             if size <= ROUNDING or (size >= 0.5 * last and size <= 1e3 * ROUNDING):
@@ -68,7 +66,7 @@ class StabilisedEquations:
                 if lu is None:
                     break
             eta, last = eta - lu.solve(phi), size
-        return replace(point, u=np.full_like(point.u, np.nan))
+        return point.moved_to(np.full_like(point.u, np.nan))
 
     def _factorised(self, point: Point) -> SuperLU | None:
         """Phi_q B^T, the derivative of Phi by eta; None when the constraints depend on each other at a point."""

@@ -134,7 +134,7 @@ def mode_frames(modes: Shapes, amplitude: float, count: int | None = None) -> Re
         numbers[0],
         numbers[-1],
         at=numbers,
-        values=[[np.array([value])] for value in modes.values[:count]],
+        values=[np.array([value]) for value in modes.values[:count]],
         frame_at=numbers,
         frame_q=shapes,
         frame_v=[unknown] * count,

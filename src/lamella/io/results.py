@@ -110,7 +110,7 @@ class ResultWriter:
         """One sample of all signals."""
         assert len(values) == len(self._signals), f"{len(values)} values for {len(self._signals)} signals"
         self._at.append(at)
-        self._rows.append([np.atleast_1d(value) for value in values])
+        self._rows.append(values)
         if time.monotonic() - self._flushed >= self._flush_seconds:
             self.flush()
 
@@ -193,7 +193,7 @@ class ResultWriter:
                 if signal.name == self._axis:
                     continue
                 column = np.asarray([row[index] for row in self._rows])
-                append(group[signal.name], column if signal.labels else column[:, 0])
+                append(group[signal.name], column if signal.labels else column.reshape(-1))
             append(group[self._axis], np.asarray(self._at))
             self._file.attrs["reached"] = self._at[-1]
         if self._frame_at:

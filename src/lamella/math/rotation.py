@@ -5,6 +5,7 @@ A matrix R turns vectors: ``v' = R v``. Its columns are the turned axes. All fun
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,17 +105,16 @@ def quaternion_from_rotation(R: Floats) -> Floats:
 
     Source: Shepperd (1978), Quaternion from rotation matrix.
     """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = R.tolist()
     # 4 q q^T; its row with the largest diagonal entry is the best conditioned
-    Q = np.array(
-        [
-            [1 + R[0, 0] + R[1, 1] + R[2, 2], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
-            [R[2, 1] - R[1, 2], 1 + R[0, 0] - R[1, 1] - R[2, 2], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0]],
-            [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], 1 - R[0, 0] + R[1, 1] - R[2, 2], R[1, 2] + R[2, 1]],
-            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], 1 - R[0, 0] - R[1, 1] + R[2, 2]],
-        ]
+    Q = (
+        (1 + xx + yy + zz, zy - yz, xz - zx, yx - xy),
+        (zy - yz, 1 + xx - yy - zz, xy + yx, xz + zx),
+        (xz - zx, xy + yx, 1 - xx + yy - zz, yz + zy),
+        (yx - xy, xz + zx, yz + zy, 1 - xx - yy + zz),
     )
-    row = Q[int(np.argmax(Q.diagonal()))]
-    return row / (np.linalg.norm(row) * (1.0 if row[0] >= 0 else -1.0))
+    row = Q[max(range(4), key=lambda k: Q[k][k])]
+    return np.array(row) / (math.hypot(*row) * (1.0 if row[0] >= 0 else -1.0))
 
 
 def euler_from_rotation(R: Floats) -> Floats:
@@ -127,10 +127,11 @@ def euler_from_rotation(R: Floats) -> Floats:
         Angles [rad], shape (3,), with the pitch within +-pi/2. At a pitch of +-pi/2 yaw and roll turn about one axis; the roll
         is then zero.
     """
-    sine = min(max(-float(R[2, 0]), -1.0), 1.0)
+    (xx, xy, _), (yx, yy, _), (zx, zy, zz) = R.tolist()
+    sine = min(max(-zx, -1.0), 1.0)
     if abs(sine) > 1.0 - 1e-12:
-        return np.array([np.arctan2(-R[0, 1], R[1, 1]), np.copysign(np.pi / 2, sine), 0.0])
-    return np.array([np.arctan2(R[1, 0], R[0, 0]), np.arcsin(sine), np.arctan2(R[2, 1], R[2, 2])])
+        return np.array([math.atan2(-xy, yy), math.copysign(math.pi / 2, sine), 0.0])
+    return np.array([math.atan2(yx, xx), math.asin(sine), math.atan2(zy, zz)])
 
 
 def polar(F: Floats) -> tuple[Floats, Floats]:

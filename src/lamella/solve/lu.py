@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import sorted_by
@@ -71,5 +74,11 @@ class MultifrontalLU:
 
     def solve(self, z: Floats) -> None:
         """z <- A^-1 z by position, zero at those that fill up, for the last successful factorisation."""
+        order, fronts, rows, runs, a, c, signs, rest, y = self.arrays
+        front_solution.solve(order, fronts, rows, runs, a, c, signs, z, rest, y)
+
+    @property
+    def arrays(self) -> tuple[NDArray[Any], ...]:
+        """The factorisation and two workspaces, as :func:`lamella.solve.front_solution.solve` takes them before and behind z."""
         at = self._layout
-        front_solution.solve(self._order, at.fronts, at.rows, at.runs, self._a, self._c, self._signs, z, self._rest, self._y)
+        return self._order, at.fronts, at.rows, at.runs, self._a, self._c, self._signs, self._rest, self._y

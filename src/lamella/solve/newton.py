@@ -159,7 +159,7 @@ class NewtonSolver:
                 if known is None or (fresh and known.matrix is None):
                     known = self._evaluate(point, weights, reference, before, fresh=fresh and not held)
                 r, phi, matrix = known
-                if not isfinite(r @ r):
+                if not isfinite(r.dot(r)):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 if matrix is not None:
                     self._factorise(matrix, weights)
@@ -171,10 +171,7 @@ class NewtonSolver:
                 return NewtonReport(Cause.SINGULAR, iteration, last, self._free(error))
             self.statistics.solves += 1
             moved = u, ud, udd = np.empty_like(point.u), np.empty_like(point.u), np.empty_like(point.u)
-            size, change = _corrected(
-                point.u, point.ud, point.udd, du, start, self._per_magnitude,
-                n, weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate, *moved,
-            )  # fmt: skip
+            size, change = _corrected(point.u, point.ud, point.udd, du, start, self._per_magnitude, n, *weights, *moved)
             if not isfinite(size):
                 self._drop()
                 return NewtonReport(Cause.NOT_FINITE, iteration, last, "the correction is not finite")
@@ -245,7 +242,7 @@ class NewtonSolver:
             return Evaluation(*self.equations.residual(point), None)
         previous = None
         if self.options.extrapolate:
-            previous = reference if before is None else self.equations.coordinates(replace(point, u=before))
+            previous = reference if before is None else self.equations.coordinates(point.moved_to(before))
         r, phi, k, j = self.equations.linearise(point, weights, previous)
         self.statistics.tangents += 1
         return Evaluation(r, phi, (k, j))
@@ -269,8 +266,8 @@ class NewtonSolver:
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:
         moved = np.empty_like(du), np.empty_like(du), np.empty_like(du)
-        n, weigh = self.equations.n_motion, (weights.alpha_q, weights.alpha_v, weights.alpha_a, weights.rate)
-        _corrected(point.u, point.ud, point.udd, du, point.u, self._per_magnitude, n, *weigh, *moved)
+        n = self.equations.n_motion
+        _corrected(point.u, point.ud, point.udd, du, point.u, self._per_magnitude, n, *weights, *moved)
         point.u, point.ud, point.udd = moved
         point.lam = point.lam + dlam
 

@@ -10,7 +10,7 @@ from lamella.roles import Floats
 from lamella.solve.base import BACKWARD_ERROR_LIMIT, CONDITION_LIMIT, LinearSolver, not_finite
 from lamella.solve.constraint_group import groups_of
 from lamella.solve.lu import MultifrontalLU
-from lamella.solve.null_space_kernels import Rows, gather, largest, residual, scaled, spread
+from lamella.solve.null_space_kernels import Rows, gather, largest, residual, scaled, solve, spread
 from lamella.solve.reduction import Reduction
 from lamella.solve.saddle import probe
 
@@ -45,6 +45,7 @@ class NullSpaceSolver(LinearSolver):
         columns, sources = (x.astype(np.int32) for x in (position[reduced.indices], self._map.sources))
         self._rows = Rows(position, reduced.indptr, columns, sources)
         self._motions = self._map.motions(position)
+        self._arrays = *self._motions, *self._map.right, *self._map.down, *self._map.core, *self._lu.arrays
         # By position, with zeros where the factorisation has filled up:
         self._probe, self._b, self._z, self._off = (np.zeros(self._lu.n) for _ in range(4))
         self._probe[position] = probe(reduced.n)
@@ -101,13 +102,14 @@ class NullSpaceSolver(LinearSolver):
         if not self._usable:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
         x, y, z, rest = np.empty(self.pattern.n), np.zeros(self.pattern.n_lam), self._z, self._rest
+        if not self._refine:
+            solve(r, s, x, y, z, rest, *self._arrays)
+            return x, y
         gather(r, s, self._motions, self._map.right, self._map.core, x, rest, z)
-        if self._refine:
-            self._b[:] = z
+        self._b[:] = z
         self._lu.solve(z)
-        if self._refine:
-            residual(self._rows, self._k, self._map.mixed, self._b, z, self._off)
-            self._lu.solve(self._off)
-            z += self._off
+        residual(self._rows, self._k, self._map.mixed, self._b, z, self._off)
+        self._lu.solve(self._off)
+        z += self._off
         spread(r, z, self._motions, self._map.down, self._map.core, rest, x, y)
         return x, y

@@ -106,12 +106,13 @@ class SchurSolver(LinearSolver):
         """Solve. The error of y shows in J x = s alone and is corrected once."""
         if self._negative is None:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
-        x = self._factor.solve(r)
-        y, d = np.zeros(self.pattern.n_lam), np.empty(self.pattern.n_lam)
-        if self.pattern.n_lam:
-            for _ in range(2):
-                product(self._j_indptr, self._j_indices, self._j_values, x, d)
-                dy = self._solve_complement(d - s)
-                y += dy
-                x -= self._k_inv_jt @ dy
+        x, y = self._factor.solve(r), np.zeros(self.pattern.n_lam)
+        if not len(y):
+            return x, y
+        d = np.empty_like(y)
+        for _ in range(2):
+            product(self._j_indptr, self._j_indices, self._j_values, x, d)
+            dy = self._solve_complement(d - s)
+            y += dy
+            x -= self._k_inv_jt @ dy
         return x, y

@@ -7,7 +7,7 @@ import numpy as np
 from lamella._jit import njit
 from lamella.errors import DeclarationError
 from lamella.roles import Floats, ForceBlock, Ints
-from lamella.thermal.mesh import TemperatureMesh
+from lamella.thermal.mesh import ElementSum, TemperatureMesh
 
 UPPER = np.triu_indices(8)
 
@@ -30,6 +30,8 @@ class ConductionBlock(ForceBlock):
         self._coords, self._supply = coords, np.zeros(8) if supply is None else supply
         self._capacity = np.zeros((0, 0)) if C is None else C
         self.depends_on_velocity = C is not None
+        # One unit of T_N everywhere: its row of C is the heat content.
+        self._stored = None if C is None else ElementSum(coords, C @ np.repeat([1.0, 0.0], 4))
         self.f_coords, self.f_scale = coords.reshape(-1), np.ones(coords.size)
         rows, cols = UPPER
         self.k_rows, self.k_cols = coords[:, rows].reshape(-1), coords[:, cols].reshape(-1)
@@ -55,9 +57,8 @@ class ConductionBlock(ForceBlock):
 
     def stored(self, q: Floats) -> float:
         """Heat above that of the reference temperature, sum C T [J]."""
-        assert self._C is not None
-        first = np.array([1.0] * 4 + [0.0] * 4)  # one unit of T_N everywhere: its row of C is the heat content
-        return float((q[self._coords] @ (self._C @ first)).sum())
+        assert self._stored is not None
+        return self._stored(q)
 
 
 def plate_block(mesh: TemperatureMesh, item: str) -> ConductionBlock:

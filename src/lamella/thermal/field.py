@@ -15,7 +15,7 @@ from lamella.element.shells import SHELLS
 from lamella.errors import DeclarationError
 from lamella.roles import Declaration
 from lamella.thermal.conduction import plate_block
-from lamella.thermal.mesh import TemperatureMesh
+from lamella.thermal.mesh import ElementSum, TemperatureMesh
 
 if TYPE_CHECKING:
     from lamella.body.mesh import PlateMesh
@@ -82,10 +82,10 @@ class TemperatureField(Declaration):
             return block.stored(state.q)
 
         build.signals.append(Signal(f"{self.name}.heat", "J", (), stored, f"heat stored in {plate.name} above the reference"))
-        one = mesh.integrals()[0] / (plate.size[0] * plate.size[1])
+        risen = ElementSum(mesh.coords[:, :4], mesh.integrals()[0] / (plate.size[0] * plate.size[1]))
 
         def mean(state: State) -> float:
-            return self.reference + float((state.q[mesh.coords[:, :4]] @ one).sum())
+            return self.reference + risen(state.q)
 
         build.signals.append(Signal(f"{self.name}.mean", "K", (), mean, f"mean temperature of {plate.name}"))
         for marker, at in self.on.markers.items():
@@ -121,8 +121,8 @@ class TemperatureField(Declaration):
 
 def _marker_signals(name: str, where: str, mesh: TemperatureMesh, at: tuple[float, float]) -> list[Signal]:
     element, shape = mesh.weights(np.array([at[0]]), np.array([at[1]]))
-    coords, weights = mesh.coords[element[0]], shape[0]
+    (of_T_N, of_T_M), weights = np.split(mesh.coords[element[0]], 2), shape[0]
     return [
-        Signal(f"{name}.T_N", "K", (), lambda s: float(weights @ s.q[coords[:4]]), f"change of temperature of {where}"),
-        Signal(f"{name}.T_M", "K/m", (), lambda s: float(weights @ s.q[coords[4:]]), f"gradient of temperature at {where}"),
+        Signal(f"{name}.T_N", "K", (), lambda s: float(weights.dot(s.q.take(of_T_N))), f"change of temperature of {where}"),
+        Signal(f"{name}.T_M", "K/m", (), lambda s: float(weights.dot(s.q.take(of_T_M))), f"gradient of temperature at {where}"),
     ]

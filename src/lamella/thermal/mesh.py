@@ -81,6 +81,23 @@ class TemperatureMesh:
         return one, mixed, slopes
 
 
+class ElementSum:
+    """sum over elements of w . q_e, with the weights collected node by node.
+
+    Args:
+        coords: coordinates of the elements, shape (n_element, m).
+        weights: w, the same for all elements, shape (m,).
+    """
+
+    def __init__(self, coords: Ints, weights: Floats) -> None:
+        self._coords, places = np.unique(coords, return_inverse=True)
+        self._weights = np.bincount(places.reshape(-1), np.tile(weights, len(coords)))
+
+    def __call__(self, q: Floats) -> float:
+        """The sum for all coordinates q (n_q,)."""
+        return float(self._weights.dot(q.take(self._coords)))
+
+
 def field_of(build: Build, plate: PlateMesh, item: str) -> TemperatureMesh:
     """The temperature field of a plate.
 

@@ -101,14 +101,16 @@ class Light:
 
     def __init__(self, direction: Floats, constant: float, turning: Floats, profile: Motion) -> None:
         self._direction, self._constant, self._turning, self._profile = direction, constant, turning, profile
+        self._turns = bool(turning.any())
 
     def direction(self, t: float) -> Floats:
         """s at the time t [s], shape (3,)."""
-        return matrix_from_vector(self._turning * t) @ self._direction if self._turning.any() else self._direction
+        return matrix_from_vector(self._turning * t) @ self._direction if self._turns else self._direction
 
-    def at(self, t: float) -> Floats:
-        """Direction times flux, S p(t) s [W/m^2], shape (3,)."""
-        return self._constant * self._profile.value(t) * self.direction(t)
+    def at(self, t: float) -> Floats | None:
+        """Direction times flux, S p(t) s [W/m^2], shape (3,); None in the dark."""
+        flux = self._constant * self._profile.value(t)
+        return flux * self.direction(t) if flux else None
 
 
 class SolarBlock(CrossBlock):
@@ -152,7 +154,7 @@ class SolarBlock(CrossBlock):
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Minus the heat absorbed [W]."""
         light = self._light.at(t)
-        if not light.any():
+        if light is None:
             f[:], self._absorbed[:] = 0.0, 0.0
             return
         self._shine(q, light, self._upper, self._lower, f)
@@ -172,7 +174,7 @@ class SolarBlock(CrossBlock):
         light = self._light.at(t)
         if not self._coupled:
             return
-        if not light.any():
+        if light is None:
             k[:] = 0.0
             return
         p = self._points
