@@ -221,7 +221,7 @@ class Recorder:
 
     def samples(self) -> dict[str, Floats]:
         """All samples of each signal by its name, shape (n, n_label), with one column where it has no labels."""
-        rows = np.array(self.values).reshape(-1, self._width)
+        rows = np.array(self.values).reshape(len(self.values), self._width)
         return {signal.name: rows[:, part].copy() for signal, part in zip(self.signals, self._parts, strict=True)}
 
     def pass_over(self, state: State) -> None:

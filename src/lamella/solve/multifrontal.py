@@ -11,10 +11,14 @@ from lamella.assembly.pattern import Pattern
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 from lamella.solve import front_kernels, front_solution
-from lamella.solve.base import PIVOT_TOLERANCE, SymmetricFactor
+from lamella.solve.base import SymmetricFactor
 from lamella.solve.layout import layout_of
 from lamella.solve.schedule import row_ranges, schedule_of
 from lamella.threads import Workspace
+
+SMALL_PIVOT = 1e-12
+"""A pivot below this share of its diagonal entry may be rounding, which leaves up to some 1e-13 where a body turns freely; long
+thin strips have 1e-9 and more. Where a matrix is regular all the same, a general solver finds that by its condition."""
 
 
 class Multifrontal(SymmetricFactor):
@@ -42,7 +46,7 @@ class Multifrontal(SymmetricFactor):
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""
         at, plan = self._layout, self._plan
-        limits = at.limits(k, PIVOT_TOLERANCE)
+        limits = at.limits(k, SMALL_PIVOT)
 
         def subtree(first: int, end: int) -> int:
             return front_kernels.factorise(
