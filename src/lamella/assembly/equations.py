@@ -11,8 +11,9 @@ from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.independence import Redundancy, described, independent_rows
+from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.operator import SumOperator, VectorOperator
+from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
 from lamella.assembly.product import SkewProduct
 from lamella.assembly.recent import Recent
@@ -44,9 +45,10 @@ class Equations:
         self.n_motion = int(np.count_nonzero(self.elimination.independent < model.n_motion))
         """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
-        self._known = known = like if like is not None and T is like.elimination.T else None
+        known = like if like is not None and T is like.elimination.T else None
         self.forces = ForceSum(model.forces, model.n_q, T, None if known is None else known.forces)
         self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
+        self.mass = Mass(model, T, None if known is None else known.mass)
         self.constraints = ConstraintStack(model.constraints)
         self.notes: list[str] = list(model.notes)
         """What the user should know about the equations."""
@@ -151,7 +153,7 @@ class Equations:
 
     def _carried_at(self, t: float) -> Floats:
         """Inertia forces due to the accelerations of supports, shape (n_u,)."""
-        return self._carried.get(t, lambda: self._gather(self._mass(self._source(self.elimination.accelerations(t)))))
+        return self._carried.get(t, lambda: self._gather(self.mass.in_all(self._source(self.elimination.accelerations(t)))))
 
     def _force_velocities(self, point: Point) -> Floats:
         """Velocities where a force asks for them, else zeros, which cost nothing."""
@@ -263,32 +265,12 @@ class Equations:
 
     def momentum(self, v: Floats) -> Floats:
         """M v in all coordinates, shape (n_q,)."""
-        return self._mass(v)
-
-    @cached_property
-    def _mass(self) -> VectorOperator:
-        """M in all coordinates; made when first needed, as the next, since statics needs neither."""
-        return self._of_same_mass._mass if self._of_same_mass else VectorOperator(self.model.vector_mass)
-
-    @cached_property
-    def _of_same_mass(self) -> Equations | None:
-        """The equations like which these are, if they have the same T and M, and so the same operators of inertia."""
-        m, known = self.model.vector_mass, self._known
-        if known is None or m.nnz != known.model.vector_mass.nnz or abs(m - known.model.vector_mass).max() > 0.0:
-            return None
-        return known
-
-    @cached_property
-    def _inertia(self) -> VectorOperator | None:
-        """T^T M T; None where it does not go by vectors, since three products are faster then."""
-        if self._of_same_mass:
-            return self._of_same_mass._inertia
-        T = self.elimination.T
-        return VectorOperator.within(sparse.csr_array(T.T @ self.model.mass @ T))
+        return self.mass.in_all(v)
 
     def inertia_force(self, udd: Floats) -> Floats:
         """T^T M T udd, shape (n_u,)."""
-        return self._inertia(udd) if self._inertia else self._gather(self._mass(self.expand(udd)))
+        whole = self.mass.in_independent
+        return whole(udd) if whole else self._gather(self.mass.in_all(self.expand(udd)))
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
@@ -325,7 +307,7 @@ class Equations:
         reaction = point.factor * self.loads(point.t, q, v)
         reaction += self.forces(point.t, q, v)
         if not point.at_rest:
-            self._mass.onto(a, reaction)
+            self.mass.in_all.onto(a, reaction)
         self.constraints.add_force(point.t, q, point.lam, reaction)
         return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), reaction, point.factor)
 
@@ -335,10 +317,10 @@ class Equations:
         r += self.forces.reduced()
         unreduced = None
         if not point.at_rest:
-            if self._inertia:
-                self._inertia.onto(point.udd, r)
+            if self.mass.in_independent:
+                self.mass.in_independent.onto(point.udd, r)
             else:
-                unreduced = self._mass(self.expand(point.udd))
+                unreduced = self.mass.in_all(self.expand(point.udd))
             if self.elimination.moves:
                 r += self._carried_at(point.t)
         if self.n_lam:
