@@ -275,7 +275,9 @@ def test_product_of_tangents_is_that_with_the_matrix() -> None:
     state = run.final
     point = of.point_of(state, state.t)
     x = np.cos(np.arange(of.n_u))
-    product = TangentProduct(of.model, of.forces, of.loads, of.constraints, point, state.q, state.v, STATIC)
+    product = TangentProduct(of.model, of.forces, of.loads, of.constraints)
+    product.look(of.start(), state.q, state.v, STATIC)  # what was seen before is forgotten
+    product.look(point, state.q, state.v, STATIC)
     expected = of.matrix.pattern.matrix(of.linearise(point, STATIC)[2].copy()) @ x
     found = of.elimination.T.T @ product(of.expand(x))
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())  # sums in another order

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,13 +14,13 @@ from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.point import Point, Weights
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
 from lamella.model import Model
-from lamella.roles import Floats, ForceBlock, Ints
+from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
 
 Unsigned = NDArray[np.uint32]
 
 
 class TangentProduct:
-    """(alpha_q K + alpha_v D) x at one point, entry by entry of the blocks' tangent buffers.
+    """(alpha_q K + alpha_v D) x at the point looked at last, entry by entry of the blocks' tangent buffers.
 
     A matrix in all coordinates would have to be laid out first, which costs as much as some hundred products.
 
@@ -26,42 +28,47 @@ class TangentProduct:
         model: the compiled model.
         forces, loads: the force buffers, which are filled on the way.
         constraints: the constraints, with the rows that are kept.
-        point: where.
-        q, v: its coordinates and velocities.
-        weights: how the unknown moves coordinates and velocities.
     """
 
-    def __init__(
-        self,
-        model: Model,
-        forces: ForceSum,
-        loads: ForceSum,
-        constraints: ConstraintStack,
-        point: Point,
-        q: Floats,
-        v: Floats,
-        weights: Weights,
-    ) -> None:
-        self._parts: list[tuple[Ints, Ints, Floats, bool]] = []
-        for summed, factor in ((forces, 1.0), (loads, point.factor)):
-            tangents = [np.zeros(len(block.k_rows)) for block, _ in summed.parts]
-            summed.linearise(point.t, q, v, weights, q, tangents)
-            for (block, _), k in zip(summed.parts, tangents, strict=True):
-                k *= factor * block.k_scale
-                _clear_unused(block, k)
-                self._parts.append((block.k_rows, block.k_cols, k, block.symmetry == "symmetric"))
-        lam = constraints.full(point.lam)
-        for block in model.constraints:
-            k = np.zeros(len(block.k_rows))
-            block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], k)
-            self._parts.append((block.k_rows, block.k_cols, weights.alpha_q * k, True))
+    def __init__(self, model: Model, forces: ForceSum, loads: ForceSum, constraints: ConstraintStack) -> None:
+        self._sums, self._constraints = (forces, loads), constraints
+        self._of_sums = [[(block, _Entries(block)) for block, _ in summed.parts] for summed in self._sums]
+        self._curvatures = [(block, _Entries(block)) for block in model.constraints]
+
+    def look(self, point: Point, q: Floats, v: Floats, weights: Weights) -> None:
+        """Evaluate the tangents.
+
+        Args:
+            point: where.
+            q, v: its coordinates and velocities.
+            weights: how the unknown moves coordinates and velocities.
+        """
+        for summed, parts, factor in zip(self._sums, self._of_sums, (1.0, point.factor), strict=True):
+            summed.linearise(point.t, q, v, weights, q, [entries.k for _, entries in parts])
+            for block, entries in parts:
+                entries.k *= factor * entries.scale
+                _clear_unused(block, entries.k)
+        lam = self._constraints.full(point.lam)
+        for block, entries in self._curvatures:
+            block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], entries.k)
+            entries.k *= weights.alpha_q
 
     def __call__(self, x: Floats) -> Floats:
         """The product with a vector in all coordinates, shape (n_q,)."""
         y = np.zeros_like(x)
-        for rows, cols, values, mirrored in self._parts:
-            _add_product(rows, cols, values, mirrored, x, y)
+        for _, entries in chain(*self._of_sums, self._curvatures):
+            _add_product(entries.rows, entries.cols, entries.k, entries.mirrored, x, y)
         return y
+
+
+class _Entries:
+    """The tangent buffer of a block, with the coordinates of its entries, which a block makes anew whenever it is asked."""
+
+    def __init__(self, block: ForceBlock | ConstraintBlock) -> None:
+        self.rows, self.cols = block.k_rows, block.k_cols
+        self.scale: Floats | float = block.k_scale if isinstance(block, ForceBlock) else 1.0
+        self.mirrored = not isinstance(block, ForceBlock) or block.symmetry == "symmetric"
+        self.k = np.zeros(len(self.rows))
 
 
 class SkewProduct:

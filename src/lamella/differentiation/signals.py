@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from lamella.assembly.equations import Equations
-from lamella.assembly.point import STATIC, Point, Weights
+from lamella.assembly.point import STATIC, Point
 from lamella.assembly.product import TangentProduct
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.solution import PointDerivative
@@ -118,13 +118,17 @@ class Reactions:
     """
 
     def __init__(self, equations: Equations) -> None:
-        self.equations = equations
+        self.equations = of = equations
+        parts = of.model, of.forces, of.loads, of.constraints
+        self._K = TangentProduct(*parts)
+        self._D = TangentProduct(*parts) if of.depends_on_velocity else None
 
     def look(self, point: Point, state: State) -> None:
         """Take the tangents at a point."""
         self._point, self._q = point, state.q
-        self._K = self._tangent(STATIC, state)
-        self._D = self._tangent(RATES, state) if self.equations.depends_on_velocity else None
+        self._K.look(point, state.q, state.v, STATIC)
+        if self._D is not None:
+            self._D.look(point, state.q, state.v, RATES)
 
     def change(self, change: State, dlam: Floats) -> Floats:
         """Change of the generalised reaction."""
@@ -135,10 +139,6 @@ class Reactions:
             total += equations.momentum(change.a)
         equations.constraints.add_force(self._point.t, self._q, dlam, total)
         return total
-
-    def _tangent(self, weights: Weights, state: State) -> TangentProduct:
-        of = self.equations
-        return TangentProduct(of.model, of.forces, of.loads, of.constraints, self._point, state.q, state.v, weights)
 
 
 def _chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:
