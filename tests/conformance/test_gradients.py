@@ -268,6 +268,19 @@ def test_models_beside_take_over_the_operators_of_supports() -> None:
     np.testing.assert_allclose(thicker.residual(point)[0], alone.residual(point)[0], rtol=1e-12)
 
 
+@pytest.mark.parametrize(("name", "beside"), [("thickness", 2), ("force", 2), ("length", 4)])
+def test_a_parameter_asks_for_two_models_beside_and_one_that_moves_places_for_four(name: str, beside: int) -> None:
+    made = []
+
+    def counted(**values: float) -> lm.System:
+        made.append(values[name])
+        return panel(**values)
+
+    at = {"thickness": 2e-3, "force": -20.0, "length": 0.5}[name]
+    lm.gradient(counted, {name: at}, {"mass": lm.MassOutput()}, analyses=(lm.Statics("still"),))
+    assert len(made) == len(set(made)) == 1 + beside
+
+
 def test_product_of_tangents_is_that_with_the_matrix() -> None:
     system = mechanism()
     run = lm.simulate(system, 0.03, lm.GeneralizedAlpha(dt=2e-3))

@@ -224,6 +224,19 @@ def test_inaccurate_pivots_are_not_used() -> None:
     assert solver.n_general == 1
 
 
+@pytest.mark.parametrize(("left", "by_general"), [(1e-9, 0), (1e-13, 1)])
+def test_pivots_that_may_be_rounding_are_left_to_the_general_solver(left: float, by_general: int) -> None:
+    """Two coordinates that differ by a small share: the second pivot is that share of its diagonal, and the matrix is regular."""
+    k = np.array([[1.0, 1.0], [1.0, 1.0 + left]])
+    pattern, values, none = pattern_of(k)
+    solver = linear_solver(pattern)
+    assert isinstance(solver, AutomaticSolver)
+    solver.factorise(values, none)
+    assert solver.n_general == by_general
+    found, _ = solver.solve(k @ np.array([0.0, 1.0]), none)
+    assert found[1] == pytest.approx(1.0, rel=1e-15 / left)  # rounding by the condition
+
+
 @pytest.mark.parametrize("method", ["multifrontal", "auto"])
 def test_free_coordinate_of_an_unsymmetric_matrix_is_named(method: Method) -> None:
     """Behind a group of constraints whose coordinates lie far apart, so that motions and coordinates have different numbers."""

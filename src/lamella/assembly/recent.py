@@ -1,4 +1,4 @@
-"""Values of a function at the arguments it was asked for last."""
+"""Values that an object evaluated last, by their arguments."""
 
 from __future__ import annotations
 
