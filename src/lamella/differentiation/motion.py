@@ -143,7 +143,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        self._adopt(self.matrix.factorise(point, weights), weights)
+        self._adopt(self.matrix.factorise(point, weights), point, weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
         shares = (
             dt,

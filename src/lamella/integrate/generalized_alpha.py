@@ -20,6 +20,7 @@ from lamella.result import Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
+from lamella.solve.turned import Vectors
 from lamella.units import quantity
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class GeneralizedAlphaStepper(Stepper):
             self.linear = self.newton.linear
         else:
             self.linear = linear_solver(equations.matrix.pattern, solver)
-            self.newton = NewtonSolver(form, self.linear, options.newton, statistics)
+            self.newton = NewtonSolver(form, self.linear, options.newton, statistics, Vectors(equations))
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         self.change = ChangeSize(equations)
         self._per_size = 1.0 / equations.magnitude[:n]
@@ -200,7 +201,7 @@ class GeneralizedAlphaStepper(Stepper):
         """
         local = (self.beta - 1.0 / 6.0) * dt**2 * change
         inertia = weights.alpha_a * self.equations.inertia_force(local)
-        filtered, _ = self.linear.solve(inertia[: self.linear.pattern.n], np.zeros(self.equations.n_lam))
+        filtered, _ = self.newton.linear.solve(inertia[: self.linear.pattern.n], np.zeros(self.equations.n_lam))
         self.statistics.solves += 1
         return filtered[: self.n]
 

@@ -18,6 +18,7 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.broyden import BroydenCorrections
 from lamella.solve.secant import SecantCorrections
+from lamella.solve.turned import TurnedSolver, Vectors
 from lamella.units import Positive
 
 ROUNDING = 1e-9
@@ -108,13 +109,18 @@ class NewtonSolver:
         linear: solver of the linear systems.
         options: tolerances.
         statistics: counts the work.
+        vectors: where the coordinate vectors of the equations stand, so that a kept factorisation turns with the structure.
 
     Attributes:
         patience: slow iterations in a row that are borne with before a factorisation is given up.
     """
 
-    def __init__(self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
-        self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
+    def __init__(
+        self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics, vectors: Vectors | None = None
+    ) -> None:
+        self.equations, self.options, self.statistics = equations, options, statistics
+        self._turned = None if vectors is None or not len(vectors.slopes) else TurnedSolver(linear, vectors)
+        self.linear = linear = self._turned or linear
         self._factored_for: Weights | None = None
         self._age, self._short_lived = 0, False
         self.patience, self._slow = 0, 0
@@ -152,6 +158,8 @@ class NewtonSolver:
         self._age += 1
         self._slow = 0
         held = held and self.options.line_search != "residual"  # which asks for the diagonal of the matrix as well
+        if self._turned is not None and self._factored_for == weights:
+            self._turned.turn(point.u)
         iteration, renewed = 0, False
         for iteration in range(self.options.max_iterations):
             fresh = held or self._factored_for != weights
@@ -162,9 +170,9 @@ class NewtonSolver:
                 if not isfinite(r.dot(r)):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 if matrix is not None:
-                    self._factorise(matrix, weights)
+                    self._factorise(matrix, point, weights)
                 elif held:
-                    self._factored_for, self._age = weights, 0
+                    self._made(point, weights)
                 du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
                 self._drop()
@@ -247,18 +255,23 @@ class NewtonSolver:
         self.statistics.tangents += 1
         return Evaluation(r, phi, (k, j))
 
-    def _factorise(self, matrix: tuple[Floats, Floats], weights: Weights) -> None:
+    def _factorise(self, matrix: tuple[Floats, Floats], point: Point, weights: Weights) -> None:
         self.linear.factorise(*matrix)
         self.statistics.factorisations += 1
-        self.adopt(matrix[0], weights)
+        self.adopt(matrix[0], point, weights)
 
-    def adopt(self, k: Floats, weights: Weights) -> None:
-        """Go on with the factorisation of a matrix with the values ``k``, made for these weights, that ``linear`` holds now."""
+    def adopt(self, k: Floats, point: Point, weights: Weights) -> None:
+        """Go on with the factorisation of the matrix with the values ``k`` at ``point`` that ``linear`` holds now."""
         self._corrections.forget()
         if self.options.line_search == "residual":
             diagonal = self.linear.pattern.diagonal(k)
             self._per_stiffness = 1.0 / np.maximum(np.abs(diagonal), np.finfo(float).tiny)
+        self._made(point, weights)
+
+    def _made(self, point: Point, weights: Weights) -> None:
         self._factored_for, self._age = weights, 0
+        if self._turned is not None:
+            self._turned.made_at(point.u)
 
     def _free(self, error: SingularSystemError) -> str:
         """What is free, in words."""
