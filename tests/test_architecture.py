@@ -27,6 +27,7 @@ LAYERS = [
         "inertia",
         "result",
         "progress",
+        "_compiler",
         "_jit",
         "lane",
         "threads",
@@ -56,7 +57,7 @@ HEAVY = {
     *("matplotlib", "pyvista", "vtk", "vtkmodules", "h5py", "h5netcdf", "xarray", "pint", "pandas", "imageio", "PIL"),
     *("jinja2", "markdown_it", "distributed", "dask", "pyarrow"),
 }
-NUMBA_MODULES = {"_jit", "lane"}
+NUMBA_MODULES = {"_compiler", "_jit", "lane"}
 FORBIDDEN_NAMES = {"util", "utils", "utilities", "manager", "helper", "helpers", "misc", "common", "tools"}
 LONGEST = 350  # the aim is 300; beyond 350 a file does more than one thing
 

@@ -22,12 +22,17 @@ from numba.core import event
 from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
+from lamella._compiler import KernelCache, PartCompiler
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 config = cast("Any", numba_config)  # its attributes are made at run time
 
 FAST_MATH = {"contract", "nsz"}
 """Fused multiply-add and signed zeros only: NaN and infinity keep their meaning, so that a failed step is seen."""
+
+OPTIONS: dict[str, Any] = {"fastmath": FAST_MATH, "error_model": "numpy", "no_cfunc_wrapper": True}
+"""Of all that is compiled. No kernel is called from C, so that no wrapper is made for it: a tenth of the time."""
 
 KEPT_FOLDERS = 3
 """Cache folders of other versions that are kept beside the one in use."""
@@ -39,7 +44,7 @@ def _source_hash() -> str:
     package = Path(__file__).parent
     for path in sorted(package.rglob("*.py")):
         text = path.read_bytes()
-        if path.name in ("_jit.py", "lane.py") or b"lamella._jit" in text:
+        if path.name in ("_jit.py", "_compiler.py", "lane.py") or b"lamella._jit" in text:
             digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
     return digest.hexdigest()[:16]
 
@@ -98,17 +103,24 @@ def shared(function: Function) -> Function:
 
 
 def _compiled(function: Function, **options: Any) -> Function:
+    compiled: Any = numba.njit(**OPTIONS, **options)(function)
     user_setting = config.CACHE_DIR
-    config.CACHE_DIR = str(CACHE_FOLDER)  # read once, while the function is decorated; other packages keep their setting
+    config.CACHE_DIR = str(CACHE_FOLDER)  # read once, by the cache; other packages keep their setting
     try:
-        return cast("Function", numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy", **options)(function))
+        compiled._cache = KernelCache(function)
     finally:
         config.CACHE_DIR = user_setting
+    return cast("Function", compiled)
 
 
 def inlined(function: Function) -> Function:
     """Let compiled kernels call a function, inserted in place, while Python still calls it as it stands (also with arrays)."""
-    return register_jitable(forceinline=True, fastmath=FAST_MATH, error_model="numpy")(function)
+    return register_jitable(forceinline=True, pipeline_class=PartCompiler, **OPTIONS)(function)
+
+
+def part(function: Function) -> Function:
+    """As :func:`inlined`, for one that need not be inserted in place: kernels alone call it, several times or at a distance."""
+    return register_jitable(pipeline_class=PartCompiler, **OPTIONS)(function)
 
 
 class _Announcer(event.Listener):

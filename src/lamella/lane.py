@@ -85,7 +85,11 @@ def _register_binary(function: Any, instruction: str) -> None:
         return getattr(builder, instruction)(left, right, flags=_FLAGS)
 
     infer_global(function)(
-        type(f"Lane_{instruction}", (ConcreteTemplate,), {"cases": [signature(Lane, *pair) for pair in operands]})
+        type(
+            f"Lane_{instruction}",
+            (ConcreteTemplate,),
+            {"cases": [signature(Lane, *pair) for pair in operands], "metadata": {"target": "cpu"}},
+        )
     )
     for pair in operands:
         lower_builtin(function, *pair)(lower)
