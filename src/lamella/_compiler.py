@@ -1,8 +1,8 @@
-"""How Numba compiles lamella's kernels in two thirds of its time: each function is optimised once, and operators are found at once.
+"""How Numba compiles lamella's kernels in three fifths of its time: functions are optimised once, operators found at once.
 
-Numba optimises every function that a kernel calls and makes machine code of it, throws that code away, and does the same again
-within each caller: five levels deep in a factorisation. Functions compiled by :class:`PartCompiler` are handed to their caller as
-they are; it optimises the whole. They have no machine code of their own and cannot be called from Python.
+Numba optimises every function that a kernel calls and makes machine code of it, and does the same again within each caller, five
+levels deep in a factorisation. Functions compiled by :class:`InnerCompiler` are handed to their callers as they are, and
+optimised with the outermost. They have no machine code of their own and cannot be called from Python.
 
 For ``a[i]`` Numba asks unicode, lists, dictionaries and tuples before arrays. Signatures that name the target are asked first.
 """
@@ -10,18 +10,20 @@ For ``a[i]`` Numba asks unicode, lists, dictionaries and tuples before arrays. S
 from __future__ import annotations
 
 import gc
+import importlib
 import operator
-from typing import Any, cast
+from typing import Any, Literal, cast
 
-from numba import _dynfunc
 from numba.core import caching, codegen, compiler, compiler_machinery, event, typed_passes
-from numba.core.runtime import rtsys
+from numba.core.runtime.nrt import rtsys
 from numba.core.typing import arraydecl, templates
+
+_dynfunc: Any = importlib.import_module("numba._dynfunc")  # compiled, so that type checkers do not see it
 
 FIRST = {"target": "cpu"}
 """Metadata of signatures that are asked before all others of an operator."""
 
-infer_global = cast("Any", templates.infer_global)
+infer_global = cast("Any", templates.infer_global)  # its type is too narrow
 
 
 @infer_global(operator.getitem)
@@ -34,7 +36,7 @@ class _WriteArray(arraydecl.SetItemBuffer):
     metadata = FIRST
 
 
-class _PartLibrary(codegen.JITCodeLibrary):
+class _InnerLibrary(codegen.JITCodeLibrary):
     """Code that goes into the libraries of its callers, and is optimised and made machine code there."""
 
     def finalize(self) -> None:
@@ -47,12 +49,12 @@ class _PartLibrary(codegen.JITCodeLibrary):
 
 
 @compiler_machinery.register_pass(mutates_CFG=True, analysis_only=False)
-class _PartLowering(typed_passes.NativeLowering):
-    _name = "part_lowering"
+class _InnerLowering(typed_passes.NativeLowering):
+    _name = "inner_lowering"
 
-    def run_pass(self, state: Any) -> bool:
+    def run_pass(self, state: Any) -> Literal[True]:
         """Lower to LLVM's language, and let kernels know the function by a name that stands for no code."""
-        state.library = library = _PartLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = library = _InnerLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         super().run_pass(state)
         lowered = state["cr"]
         library._ensure_finalized()
@@ -64,7 +66,7 @@ class _PartLowering(typed_passes.NativeLowering):
         return True
 
 
-class PartCompiler(compiler.CompilerBase):
+class InnerCompiler(compiler.CompilerBase):
     """Compiles a function that only kernels call."""
 
     def __init__(self, *args: Any) -> None:
@@ -75,16 +77,16 @@ class PartCompiler(compiler.CompilerBase):
         """Numba's own passes, but for the last."""
         passes = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.passes = [
-            (_PartLowering, text) if step is typed_passes.NativeLowering else (step, text) for step, text in passes.passes
+            (_InnerLowering, text) if step is typed_passes.NativeLowering else (step, text) for step, text in passes.passes
         ]
         passes.finalize()
         return [passes]
 
 
 class KernelCache(caching.FunctionCache):
-    """Numba's cache, which reads machine code without learning the language first: 0.12 s at the first kernel, 1 ms at each other.
+    """Numba's cache, without the tables of all functions and types that Numba makes before it reads machine code: 0.15 s.
 
-    What is compiled makes Numba load its tables of functions and types itself.
+    When something has to be compiled, Numba makes them all the same.
     """
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
@@ -101,7 +103,7 @@ class KernelCache(caching.FunctionCache):
 
 
 class _Uncollected(event.Listener):
-    """Keeps Python from looking for garbage while a kernel is compiled: half a million objects that stay, for a tenth of the time."""
+    """Keeps Python from looking for garbage while a kernel is compiled: hundreds of thousands of objects that mostly stay."""
 
     def __init__(self) -> None:
         self.depth, self.was_enabled = 0, False

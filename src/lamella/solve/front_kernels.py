@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import inlined, part, shared
+from lamella._jit import inlined, inner, shared
 from lamella.lane import WIDTH, load_at, number_at, store_at
 from lamella.roles import Floats, Indices, Ints
 
@@ -56,7 +56,7 @@ def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     store_at(c, c0, p0), store_at(c, c1, p1), store_at(c, c2, p2), store_at(c, c3, p3)
 
 
-@part
+@inner
 def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
     """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0].
 
@@ -95,7 +95,7 @@ def subtract_rows(
     _subtract_rows(c, c0, c_len, first, end, columns, a, a0, a_len, b, b0, n)
 
 
-@part
+@inner
 def subtract(
     c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int
 ) -> None:
@@ -106,7 +106,7 @@ def subtract(
     _subtract_rows(c, c0, c_len, 0, rows, columns, a, a0, a_len, b, b0, n)
 
 
-@part
+@inner
 def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs: Floats, s0: int) -> int:
     """L S L^T of the 4 by 4 block at a[corner]; -1, or the column whose pivot is within its limit (or not a number)."""
     for i in range(4):
@@ -125,7 +125,7 @@ def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs:
     return -1
 
 
-@part
+@inner
 def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panel at a[a0], from which all columns before are already subtracted."""
     corner = a0 + j * a_len + j
@@ -181,7 +181,7 @@ def factorise_block(a: Floats, a0: int, a_len: int, p: int, first: int, limits: 
     return _factorise_block(a, a0, a_len, p, first, limits, signs, s0, b)
 
 
-@part
+@inner
 def _factorise_front(
     a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, s0: int, b: Floats
 ) -> int:
@@ -199,7 +199,7 @@ def _factorise_front(
     return -1
 
 
-@part
+@inner
 def extend_add(
     u: Floats, u0: int, u_len: int, runs: Ints, first: int, last: int, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int
 ) -> None:
@@ -220,7 +220,7 @@ def extend_add(
                     _add(u, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
 
 
-@part
+@inner
 def clear(c: Floats, c0: int, n: int) -> None:
     """c[c0:] = 0 for n entries, a multiple of ``WIDTH``."""
     for i in range(c0, c0 + n, WIDTH):
@@ -239,7 +239,7 @@ def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
         i += 1
 
 
-@part
+@inner
 def _assemble(
     k: Floats, entries: Indices, slots: Indices, starts: Ints, f: int, fronts: Ints, runs: Ints, a: Floats, u: Floats
 ) -> None:
