@@ -12,9 +12,11 @@ from __future__ import annotations
 import gc
 import importlib
 import operator
+from functools import cached_property
 from typing import Any, Literal, cast
 
 from numba.core import caching, codegen, compiler, compiler_machinery, event, typed_passes
+from numba.core import config as numba_config
 from numba.core.runtime.nrt import rtsys
 from numba.core.typing import arraydecl, templates
 
@@ -23,6 +25,7 @@ _dynfunc: Any = importlib.import_module("numba._dynfunc")  # compiled, so that t
 FIRST = {"target": "cpu"}
 """Metadata of signatures that are asked before all others of an operator."""
 
+config = cast("Any", numba_config)  # its attributes are made at run time
 infer_global = cast("Any", templates.infer_global)  # its type is too narrow
 
 
@@ -83,7 +86,7 @@ class InnerCompiler(compiler.CompilerBase):
         return [passes]
 
 
-class KernelCache(caching.FunctionCache):
+class _Cache(caching.FunctionCache):
     """Numba's cache, without the tables of all functions and types that Numba makes before it reads machine code: 0.15 s.
 
     When something has to be compiled, Numba makes them all the same.
@@ -100,6 +103,30 @@ class KernelCache(caching.FunctionCache):
         for environment in data._find_referenced_environments():
             data.library.codegen.set_env(environment.env_name, environment)
         super().save_overload(sig, data)
+
+
+class KernelCache:
+    """The cache of one kernel, made when it is first called: of a hundred kernels a model calls twenty.
+
+    Args:
+        function: what is compiled.
+        folder: where the machine code goes.
+    """
+
+    def __init__(self, function: Any, folder: str) -> None:
+        self.function, self.folder = function, folder
+
+    @cached_property
+    def _cache(self) -> _Cache:
+        user_setting = config.CACHE_DIR
+        config.CACHE_DIR = self.folder  # read by the cache that is made; other packages keep their setting
+        try:
+            return _Cache(self.function)
+        finally:
+            config.CACHE_DIR = user_setting
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._cache, name)
 
 
 class _Uncollected(event.Listener):

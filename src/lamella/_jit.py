@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar, cast
 
 import numba
-from numba.core import config as numba_config
 from numba.core import event
 from numba.extending import register_jitable
 from platformdirs import user_cache_path
@@ -24,8 +23,6 @@ from platformdirs import user_cache_path
 from lamella._compiler import InnerCompiler, KernelCache
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-config = cast("Any", numba_config)  # its attributes are made at run time
 
 FAST_MATH = {"contract", "nsz"}
 """Fused multiply-add and signed zeros only: NaN and infinity keep their meaning, so that a failed step is seen."""
@@ -103,12 +100,7 @@ def shared(function: Function) -> Function:
 
 def _compiled(function: Function, **options: Any) -> Function:
     compiled: Any = numba.njit(**OPTIONS, **options)(function)
-    user_setting = config.CACHE_DIR
-    config.CACHE_DIR = str(CACHE_FOLDER)  # read once, by the cache; other packages keep their setting
-    try:
-        compiled._cache = KernelCache(function)
-    finally:
-        config.CACHE_DIR = user_setting
+    compiled._cache = KernelCache(function, str(CACHE_FOLDER))
     return cast("Function", compiled)
 
 
