@@ -42,12 +42,11 @@ class _WriteArray(arraydecl.SetItemBuffer):
 class _InnerLibrary(codegen.JITCodeLibrary):
     """Code that goes into the libraries of its callers, and is optimised and made machine code there."""
 
-    def finalize(self) -> None:
-        """Take in what is called; nothing is optimised."""
-        self._raise_if_finalized()
-        for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+    def _optimize_final_module(self) -> None:
+        """Nothing is optimised."""
+
+    def _finalize_final_module(self) -> None:
+        """Nothing is made machine code."""
         self._finalized = True
 
 
@@ -64,7 +63,7 @@ class _InnerLowering(typed_passes.NativeLowering):
         name = state.func_id.func_name
         entry = _dynfunc.make_function(lowered.fndesc.lookup_module(), name, "part of kernels", 0, lowered.env, (library,))
         state.targetctx.insert_user_function(entry, lowered.fndesc, [library])
-        state.reload_init.extend(library._reload_init)
+        state.reload_init.extend(getattr(library, "_reload_init", ()))  # of newer versions of Numba
         state["cr"] = lowered._replace(cfunc=entry)
         return True
 
