@@ -68,7 +68,7 @@ class Compilation:
         self._name, self._begun = name, time.monotonic()
         if self._say is not None:
             if not self._said:
-                self._say("compiling kernels (first run only, some 15 s) ...")
+                self._say("compiling kernels (first run only, 10 to 20 s) ...")
                 self._said = self._begun
             elif self._begun - self._said >= BETWEEN_LINES:
                 self._said = self._begun

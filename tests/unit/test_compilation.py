@@ -44,7 +44,7 @@ def test_plain_lines_are_few_and_say_what_is_compiled(monkeypatch: pytest.Monkey
         shown.end()
     shown.close()
     assert said == [
-        "compiling kernels (first run only, some 15 s) ...",
+        "compiling kernels (first run only, 10 to 20 s) ...",
         "first run: 2 kernels compiled in 3 s, now a.three",
         "compiled 4 kernels in 5.5 s",
     ]
