@@ -1,4 +1,4 @@
-"""Numba as lamella uses it: compilation options, the cache of compiled kernels and the notice of a first compilation.
+"""Numba as lamella uses it: compilation options, the cache of compiled kernels and the watch over a first compilation.
 
 Numba's own cache does not notice that a function called from another file has changed. Here the cache folder carries a hash of
 every source file that is compiled, so an edit anywhere in a kernel starts a fresh folder; folders left unused are removed.
@@ -10,24 +10,25 @@ import hashlib
 import os
 import shutil
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import numba
-from numba.core import config as numba_config
 from numba.core import event
 from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+from lamella._compiler import InnerCompiler, KernelCache
 
-config = cast("Any", numba_config)  # its attributes are made at run time
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 FAST_MATH = {"contract", "nsz"}
 """Fused multiply-add and signed zeros only: NaN and infinity keep their meaning, so that a failed step is seen."""
+
+OPTIONS: dict[str, Any] = {"fastmath": FAST_MATH, "error_model": "numpy", "no_cfunc_wrapper": True}
+"""Of all that is compiled. No kernel is called from C, so that no wrapper is made for it: a tenth of the time."""
 
 KEPT_FOLDERS = 3
 """Cache folders of other versions that are kept beside the one in use."""
@@ -39,7 +40,7 @@ def _source_hash() -> str:
     package = Path(__file__).parent
     for path in sorted(package.rglob("*.py")):
         text = path.read_bytes()
-        if path.name in ("_jit.py", "lane.py") or b"lamella._jit" in text:
+        if path.name in ("_jit.py", "_compiler.py", "lane.py") or b"lamella._jit" in text:
             digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
     return digest.hexdigest()[:16]
 
@@ -98,43 +99,55 @@ def shared(function: Function) -> Function:
 
 
 def _compiled(function: Function, **options: Any) -> Function:
-    user_setting = config.CACHE_DIR
-    config.CACHE_DIR = str(CACHE_FOLDER)  # read once, while the function is decorated; other packages keep their setting
-    try:
-        return cast("Function", numba.njit(cache=True, fastmath=FAST_MATH, error_model="numpy", **options)(function))
-    finally:
-        config.CACHE_DIR = user_setting
+    compiled: Any = numba.njit(**OPTIONS, **options)(function)
+    compiled._cache = KernelCache(function, str(CACHE_FOLDER))
+    return cast("Function", compiled)
 
 
 def inlined(function: Function) -> Function:
     """Let compiled kernels call a function, inserted in place, while Python still calls it as it stands (also with arrays)."""
-    return register_jitable(forceinline=True, fastmath=FAST_MATH, error_model="numpy")(function)
+    return register_jitable(forceinline=True, pipeline_class=InnerCompiler, **OPTIONS)(function)
 
 
-class _Announcer(event.Listener):
-    """Says once that kernels are being compiled and, at the end, how long it took."""
+def inner(function: Function) -> Function:
+    """As :func:`inlined`, for one that is called rather than inserted, unless LLVM thinks better of it. Only kernels call it."""
+    return register_jitable(pipeline_class=InnerCompiler, **OPTIONS)(function)
 
-    def __init__(self, say: Callable[[str], None]) -> None:
-        self.say, self.started, self.depth = say, 0.0, 0
+
+class Watch(Protocol):
+    """Is told of each kernel that is compiled; functions that it calls count as parts of it."""
+
+    def begin(self, name: str) -> None:
+        """A kernel is about to be compiled."""
+
+    def end(self) -> None:
+        """It is compiled, or has failed."""
+
+
+class _Watcher(event.Listener):
+    """Tells a watch of the outermost of nested compilations."""
+
+    def __init__(self, watch: Watch) -> None:
+        self.watch, self.depth = watch, 0
 
     def on_start(self, event: event.Event) -> None:
-        """Tell about the first compilation."""
-        if not self.started:
-            self.started = time.perf_counter()
-            self.say("compiling kernels (first run only, half a minute) ...")
+        """Tell of a kernel, not of its parts."""
+        self.depth += 1
+        if self.depth == 1:
+            function = cast("Any", event.data)["dispatcher"].py_func
+            self.watch.begin(f"{function.__module__.rpartition('.')[2]}.{function.__name__.lstrip('_')}")
 
     def on_end(self, event: event.Event) -> None:
-        """Nothing to say: the end of one kernel is rarely the end of all."""
+        """Tell that it is done."""
+        self.depth -= 1
+        if self.depth == 0:
+            self.watch.end()
 
 
 @contextmanager
-def announced(say: Callable[[str], None]) -> Iterator[None]:
-    """Call ``say`` with a message as soon as a kernel has to be compiled within the context; with a warm cache it stays silent.
-
-    Args:
-        say: takes the message, for example a function that prints to the standard error stream.
-    """
-    listener = _Announcer(say)
+def watched(watch: Watch) -> Iterator[None]:
+    """Tell ``watch`` of every kernel that has to be compiled within the context; with a warm cache it hears nothing."""
+    listener = _Watcher(watch)
     event.register("numba:compile", listener)
     try:
         yield

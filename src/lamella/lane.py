@@ -22,6 +22,7 @@ from numba.core.typing import templates
 from numba.core.typing.templates import ConcreteTemplate, signature
 from numba.extending import overload, register_model
 
+from lamella._compiler import FIRST
 from lamella.roles import Floats
 
 # Numba's decorators change signatures in ways that type checkers do not follow.
@@ -85,7 +86,11 @@ def _register_binary(function: Any, instruction: str) -> None:
         return getattr(builder, instruction)(left, right, flags=_FLAGS)
 
     infer_global(function)(
-        type(f"Lane_{instruction}", (ConcreteTemplate,), {"cases": [signature(Lane, *pair) for pair in operands]})
+        type(
+            f"Lane_{instruction}",
+            (ConcreteTemplate,),
+            {"cases": [signature(Lane, *pair) for pair in operands], "metadata": FIRST},
+        )
     )
     for pair in operands:
         lower_builtin(function, *pair)(lower)

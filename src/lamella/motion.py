@@ -11,12 +11,13 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
+from lamella.compilation import compilation_notice
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.integrate.events import EventWatch
 from lamella.integrate.sampling import Sampling
 from lamella.model import Model
-from lamella.progress import ProgressBar, compilation_notice
+from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Start, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
@@ -20,13 +19,8 @@ LINES = 10
 """Plain lines over the whole way."""
 
 
-def compilation_notice(shown: bool) -> AbstractContextManager[None]:
-    """A context within which the first compilation of kernels is announced on standard error, if ``shown``."""
-    if not shown:
-        return nullcontext()
-    from lamella._jit import announced  # imported late: Numba takes most of a second
-
-    return announced(lambda text: print(text, file=sys.stderr, flush=True))
+SHOWN: list[ProgressBar | CountBar] = []
+"""Bars on the terminal now, the last one below the others."""
 
 
 def rich_bar(label: str, stream: TextIO) -> tuple[Any, Any]:
@@ -76,6 +70,8 @@ class ProgressBar:
         self._shown = 0.0
         self._lines = 0
         self._bar, self._task = rich_bar(label, self._stream) if self._stream.isatty() else (None, None)
+        if self._bar is not None:
+            SHOWN.append(self)
 
     def sample(self, at: float, values: Sequence[Floats]) -> None:
         """Show the axis value reached; the clock starts after the first step, since that one may wait for compilation."""
@@ -105,7 +101,13 @@ class ProgressBar:
         if self._bar is not None:
             self._bar.update(self._task, completed=self.share, text=self.text())
             self._bar.stop()
+            SHOWN.remove(self)
         print(f"{self.label}: {outcome}, {self.text()}, {self._elapsed():.1f} s", file=self._stream)
+
+    def note(self, text: str) -> None:
+        """Say what is waited for, on a terminal, until the next step."""
+        if self._bar is not None:
+            self._bar.update(self._task, text=text)
 
     def _elapsed(self) -> float:
         """Seconds since the first step."""
@@ -146,6 +148,7 @@ class CountBar:
         self._begun = time.monotonic()
         self._bar, self._task = rich_bar(label, self._stream) if self._stream.isatty() else (None, None)
         if self._bar is not None:
+            SHOWN.append(self)
             self._bar.update(self._task, total=total - before, text=self.text())
 
     def count(self, done: int, note: str = "") -> None:
@@ -159,10 +162,16 @@ class CountBar:
             to_go = elapsed * (self.total - done) / (done - self.before)
             print(f"{self.label}: {self.text()}, {elapsed:.0f} s, {to_go:.0f} s to go", file=self._stream, flush=True)
 
+    def note(self, text: str) -> None:
+        """Say what is waited for, on a terminal, until one more is done."""
+        if self._bar is not None:
+            self._bar.update(self._task, text=text or self.text())
+
     def end(self) -> None:
         """Show how far it got."""
         if self._bar is not None:
             self._bar.stop()
+            SHOWN.remove(self)
         print(f"{self.label}: {self.text()}, {time.monotonic() - self._begun:.1f} s", file=self._stream, flush=True)
 
     def text(self) -> str:

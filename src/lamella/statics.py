@@ -9,10 +9,11 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
+from lamella.compilation import compilation_notice
 from lamella.critical import Branch
 from lamella.errors import DeclarationError
 from lamella.model import Model
-from lamella.progress import ProgressBar, compilation_notice
+from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Result, Sink
 from lamella.roles import Floats
 from lamella.solve.arc_length import ArcLength

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 
+import numba
 import numpy as np
 import pytest
 
-from lamella._jit import CACHE_FOLDER, announced, inlined, njit
+from lamella._jit import CACHE_FOLDER, inlined, inner, njit, watched
 from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
 from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, spread, sqrt, store, store_at, total
 
@@ -98,34 +100,93 @@ def test_work_space_starts_a_cache_line():
     assert all(aligned(n).ctypes.data % 64 == 0 and aligned(n).size == n for n in (1, 5, 1000))
 
 
-def test_first_compilation_is_announced_once_and_cached_kernels_are_silent():
-    @njit
-    def fresh(x):
-        return x + 1.0
+class Heard:
+    """The kernels that a watch was told of."""
 
-    said: list[str] = []
-    with announced(said.append):
-        fresh(1.0)
-        fresh(2.0)
-    assert len(said) <= 1  # nothing when an earlier run of this test left it in the cache
-    evaluate_number(1.0, 2.0)  # compiled here at the latest
-    with announced(said.append):
-        evaluate_number(1.0, 2.0)
-    assert len(said) <= 1
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self.ended = 0
+
+    def begin(self, name: str) -> None:
+        self.names.append(name)
+
+    def end(self) -> None:
+        self.ended += 1
+
+
+@inner
+def one_more(x):
+    return x + 1.0
+
+
+def test_a_watch_hears_of_kernels_but_not_of_their_parts_and_of_none_that_is_compiled():
+    def _sum(x, y):
+        return one_more(x) + y
+
+    fresh = numba.njit(_sum)  # without a cache, in which an earlier run would have left it
+    heard = Heard()
+    with watched(heard):
+        fresh(1.0, 2.0)
+        fresh(2.0, 3.0)
+    assert heard.names == ["test_lane.sum"]
+    assert heard.ended == 1
+    fresh(1, 2)  # compiled for integers, but nobody watches any more
+    assert heard.ended == 1
+
+
+def test_python_calls_an_inner_function_as_it_stands():
+    assert one_more(1.0) == 2.0
+
+
+def test_arrays_are_found_first_and_other_sequences_still():
+    @numba.njit
+    def picked(a, names, pairs):
+        a[0] = a[1] + pairs[1]
+        return names[1] + str(len(pairs))
+
+    a = np.array([0.0, 1.0])
+    assert picked(a, ("x", "y"), (1.0, 2.0)) == "y2"
+    assert a[0] == 3.0
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+def test_garbage_is_left_until_a_kernel_is_compiled(enabled):
+    states = []
+
+    class Look(Heard):
+        def begin(self, name):
+            states.append(gc.isenabled())
+
+    def failing(x):
+        return x.nothing
+
+    was = gc.isenabled()
+    (gc.enable if enabled else gc.disable)()
+    try:
+        with watched(Look()), pytest.raises(numba.TypingError):
+            numba.njit(failing)(1.0)
+        states.append(gc.isenabled())
+    finally:
+        (gc.enable if was else gc.disable)()
+    assert states == [False, enabled]
 
 
 CODE = """
 import numpy as np
-from lamella._jit import announced
+from lamella._jit import watched
 from lamella.element.plate48.kernels import energy
-said = []
-with announced(said.append):
+names = []
+class Watch:
+    def begin(self, name): names.append(name)
+    def end(self): pass
+with watched(Watch()):
     energy(np.zeros(1), np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0), 4, None, np.zeros(0), np.zeros(0))
-print(len(said))
+import sys
+print(len(names), "numba.typed.dictobject" in sys.modules)
 """
 
 
 def test_second_process_finds_compiled_kernels_in_the_cache():
     counts = [subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True).stdout for _ in range(2)]
-    assert counts[1].strip() == "0"
+    assert counts[1].strip() == "0 False"  # and reads them without Numba's tables of functions and types
     assert any(CACHE_FOLDER.rglob("*.nbi"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lamella._jit import kernel
+from lamella._jit import inner, kernel
 from lamella.roles import Floats, Ints
 
 FEW = 1024
@@ -120,7 +120,7 @@ def _runs(sources: Ints, parts: Ints, starts: Ints, runs: Ints) -> int:
     return n
 
 
-@kernel
+@inner
 def _find(table: Floats, n: int, x: float) -> int:
     """The first of n ascending numbers that is not below x."""
     low, high = 0, n

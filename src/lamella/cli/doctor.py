@@ -110,7 +110,7 @@ def look_at_kernels() -> Iterator[Finding]:
     from lamella._jit import CACHE_FOLDER
 
     count = len(list(CACHE_FOLDER.rglob("*.nbc"))) if CACHE_FOLDER.is_dir() else 0
-    state = f"{count} kernels compiled" if count else "empty: the first run compiles for half a minute"
+    state = f"{count} kernels compiled" if count else "empty: the first run compiles for 10 to 20 s"
     yield Finding("kernel cache", "ok" if count else "note", f"{CACHE_FOLDER} ({state})", "" if count else "nothing to do")
     if not os.access(CACHE_FOLDER, os.W_OK):
         yield Finding("kernel cache", "problem", f"{CACHE_FOLDER} cannot be written", "make it writable: every run compiles anew")

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, inner, kernel
 from lamella.contact.change import store_changes
 from lamella.contact.gap import Obstacle
 from lamella.contact.kernels import (
@@ -97,7 +97,7 @@ def _weighted_sums(
         _store_row(k, to + 2 * row_step + b, step, z)
 
 
-@kernel
+@inner
 def _body_blocks(
     sheet: Sheet, points: Ints, places: Ints, count: int, groups: int, work: Floats, kept: int, k: Floats,
     by_body: int, of_body: int,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lamella._jit import kernel
+from lamella._jit import inner, kernel
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.errors import ModelError, SingularSystemError
@@ -162,7 +162,7 @@ def _learn(
         image[i] /= length
 
 
-@kernel
+@inner
 def _scalar_product(x: Floats, y: Floats, per_magnitude: Floats) -> float:
     """Of two lists of unknowns, in their magnitudes; multipliers do not count."""
     total = 0.0

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import inlined, njit
+from lamella._jit import inlined, inner, njit
 from lamella.roles import Floats, Ints
 
 FIXED, MATERIAL, ALONG_X, ALONG_Y = 0, 1, 2, 3
@@ -114,7 +114,7 @@ def moment_gradient(kind: int, j: int, u: Vector, a_j: Vector, b_j: Vector, c_j:
     return (0.0, 0.0, 0.0)
 
 
-@njit
+@inner
 def moment_forces(kind: int, components: Vector, tangents: Floats, F: Floats) -> None:
     """Forces of a moment on the tangents.
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import inlined, kernel, njit
+from lamella._jit import inlined, inner, kernel, njit
 from lamella.roles import Floats, Ints
 
 LENGTH, ANGLE, SLIDE = 0, 1, 2
@@ -56,7 +56,7 @@ def slide(x: Floats, g: Floats, h: Floats) -> float:
     return x[0, 0] * x[1, 0] + x[0, 1] * x[1, 1] + x[0, 2] * x[1, 2]
 
 
-@njit
+@inner
 def sine_part(x: Floats, g: Floats, h: Floats) -> float:
     """S = |t| D with D = t . (u x w), the sine of the angle times |t|^2 |u| |w| (parts across t)."""
     u, w, t = x[0], x[1], x[2]
@@ -85,7 +85,7 @@ def sine_part(x: Floats, g: Floats, h: Floats) -> float:
     return n * D
 
 
-@njit
+@inner
 def cosine_part(x: Floats, g: Floats, h: Floats) -> float:
     """C = (t x u) . (t x w) = t^2 u.w - (u.t)(w.t), the cosine of the angle times |t|^2 |u| |w| (parts across t)."""
     u, w, t = x[0], x[1], x[2]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from lamella._jit import inlined, kernel, shared
+from lamella._jit import inlined, inner, shared
 from lamella.lane import WIDTH, load_at, number_at, store_at
 from lamella.roles import Floats, Indices, Ints
 
@@ -56,7 +56,7 @@ def _subtract_flat(c: Floats, c0: int, c_len: int, a: Floats, a0: int, a_len: in
     store_at(c, c0, p0), store_at(c, c1, p1), store_at(c, c2, p2), store_at(c, c3, p3)
 
 
-@kernel
+@inner
 def pack(a: Floats, a0: int, a_len: int, columns: int, signs: Floats, s0: int, b: Floats, n: int) -> None:
     """b <- S A^T for the first ``columns`` rows of A (at a[a0], by columns), four rows after four; S is at signs[s0].
 
@@ -95,16 +95,18 @@ def subtract_rows(
     _subtract_rows(c, c0, c_len, first, end, columns, a, a0, a_len, b, b0, n)
 
 
-@kernel
-def subtract(c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, n: int) -> None:
-    """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed.
+@inner
+def subtract(
+    c: Floats, c0: int, c_len: int, rows: int, columns: int, a: Floats, a0: int, a_len: int, b: Floats, b0: int, n: int
+) -> None:
+    """C -= A B on the lower triangle of C (rows, columns), with A (rows, n) by columns and B packed, at b[b0].
 
     Rows are a multiple of WIDTH, columns of 4.
     """
-    _subtract_rows(c, c0, c_len, 0, rows, columns, a, a0, a_len, b, 0, n)
+    _subtract_rows(c, c0, c_len, 0, rows, columns, a, a0, a_len, b, b0, n)
 
 
-@kernel
+@inner
 def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs: Floats, s0: int) -> int:
     """L S L^T of the 4 by 4 block at a[corner]; -1, or the column whose pivot is within its limit (or not a number)."""
     for i in range(4):
@@ -123,7 +125,7 @@ def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs:
     return -1
 
 
-@kernel
+@inner
 def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panel at a[a0], from which all columns before are already subtracted."""
     corner = a0 + j * a_len + j
@@ -165,7 +167,7 @@ def _factorise_block(
         n, start, width = j - first, j - j % WIDTH, min(4, p - j)
         if n:
             pack(a, left + j, a_len, width, signs, sign, b, n)
-            subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, n)
+            subtract(a, a0 + j * a_len + start, a_len, a_len - start, width, a, left + start, a_len, b, 0, n)
         failed = _factorise_columns(a, a0, a_len, j, limits, signs, s0)
         if failed >= 0:
             return failed
@@ -179,7 +181,7 @@ def factorise_block(a: Floats, a0: int, a_len: int, p: int, first: int, limits: 
     return _factorise_block(a, a0, a_len, p, first, limits, signs, s0, b)
 
 
-@kernel
+@inner
 def _factorise_front(
     a: Floats, a0: int, a_len: int, p: int, u: Floats, u0: int, u_len: int, limits: Floats, signs: Floats, s0: int, b: Floats
 ) -> int:
@@ -191,13 +193,13 @@ def _factorise_front(
         last = min(first + BLOCK, p)
         left, n = a0 + first * a_len, last - first
         if last < p:
-            subtract_rows(a, a0 + last * (a_len + 1), a_len, 0, a_len - last, p - last, a, left + last, a_len, b, 0, n)
+            subtract(a, a0 + last * (a_len + 1), a_len, a_len - last, p - last, a, left + last, a_len, b, 0, n)
         if u_len:
-            subtract_rows(u, u0, u_len, 0, u_len, u_len, a, left + p, a_len, b, (p - last) * n, n)
+            subtract(u, u0, u_len, u_len, u_len, a, left + p, a_len, b, (p - last) * n, n)
     return -1
 
 
-@kernel
+@inner
 def extend_add(
     u: Floats, u0: int, u_len: int, runs: Ints, first: int, last: int, a: Floats, a0: int, a_len: int, p: int, t0: int, t_len: int
 ) -> None:
@@ -218,7 +220,7 @@ def extend_add(
                     _add(u, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
 
 
-@kernel
+@inner
 def clear(c: Floats, c0: int, n: int) -> None:
     """c[c0:] = 0 for n entries, a multiple of ``WIDTH``."""
     for i in range(c0, c0 + n, WIDTH):
@@ -237,11 +239,11 @@ def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
         i += 1
 
 
-@shared
-def assemble(
+@inner
+def _assemble(
     k: Floats, entries: Indices, slots: Indices, starts: Ints, f: int, fronts: Ints, runs: Ints, a: Floats, u: Floats
 ) -> None:
-    """Fill a front with its entries of the matrix and with the updates of its children; arguments as for :func:`factorise`."""
+    """See :func:`assemble`."""
     p, a_len, a0, u_len, u0 = fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
     clear(a, a0, a_len * p)
     for i in range(starts[f], starts[f + 1]):
@@ -253,6 +255,14 @@ def assemble(
         r0, r1 = fronts[child, 8], fronts[child + 1, 8]
         extend_add(u, fronts[child, 6], fronts[child, 5], runs, r0, r1, a, a0, a_len, p, u0, u_len)
         child = fronts[child, 10]
+
+
+@shared
+def assemble(
+    k: Floats, entries: Indices, slots: Indices, starts: Ints, f: int, fronts: Ints, runs: Ints, a: Floats, u: Floats
+) -> None:
+    """Fill a front with its entries of the matrix and with the updates of its children; arguments as for :func:`factorise`."""
+    _assemble(k, entries, slots, starts, f, fronts, runs, a, u)
 
 
 @shared
@@ -282,7 +292,7 @@ def factorise(
         -1, or the position whose pivot is within its limit.
     """
     for f in range(first, end):
-        assemble(k, entries, slots, starts, f, fronts, runs, a, u)
+        _assemble(k, entries, slots, starts, f, fronts, runs, a, u)
         p, a_len, a0, u_len, u0 = fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
         failed = _factorise_front(a, a0, a_len, p, u, u0, u_len, limits, signs, fronts[f, 0], b)
         if failed >= 0:

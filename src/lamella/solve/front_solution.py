@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from lamella._jit import inlined, kernel, shared
+from lamella._jit import inlined, inner, kernel, shared
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 
 
-@kernel
+@inner
 def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     """y <- L^-1 y for the pivots, rest of y minus what they cause; four columns at a time, so that y is read and written once."""
     for k in range(0, p, 4):
@@ -30,7 +30,7 @@ def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
             row += WIDTH
 
 
-@kernel
+@inner
 def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     """y <- L^-T y for the pivots, with the rest of y known."""
     for k in range(p - 4, -1, -4):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, inner, kernel
 from lamella.lane import WIDTH, load_at, number_at, store_at
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
@@ -47,7 +47,7 @@ def sizes(k: Floats, more: Floats, sources: Indices, places: Ints, out: Floats) 
         out[places[i]] = abs(value(k, more, sources[i]))
 
 
-@kernel
+@inner
 def _factorise_corner(a: Floats, c: Floats, corner: int, a_len: int, limits: Floats, s0: int) -> int:
     """L U of a 4 by 4 block, L in a[corner] and U^T in c[corner]; -1, or the column whose pivot is within its limit."""
     for i in range(4):
@@ -67,7 +67,7 @@ def _factorise_corner(a: Floats, c: Floats, corner: int, a_len: int, limits: Flo
     return -1
 
 
-@kernel
+@inner
 def _factorise_columns(a: Floats, c: Floats, a0: int, a_len: int, j: int, limits: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panels at a0, from which all columns before are already subtracted."""
     failed = _factorise_corner(a, c, a0 + j * (a_len + 1), a_len, limits, s0 + j)
@@ -108,7 +108,7 @@ def _factorise_columns(a: Floats, c: Floats, a0: int, a_len: int, j: int, limits
     return -1
 
 
-@kernel
+@inner
 def _subtract_both(
     t: Floats, w: Floats, t0: int, t_len: int, rows: int, columns: int, a: Floats, c: Floats, a0: int, packed: int,
     a_len: int, ones: Floats, b: Floats, n: int,
@@ -118,12 +118,12 @@ def _subtract_both(
     Rows begin at a0, and the columns of T are those of U at ``packed``; T and W lie at t0.
     """
     pack(c, packed, a_len, columns, ones, 0, b, n)
-    subtract(t, t0, t_len, rows, columns, a, a0, a_len, b, n)
+    subtract(t, t0, t_len, rows, columns, a, a0, a_len, b, 0, n)
     pack(a, packed, a_len, columns, ones, 0, b, n)
-    subtract(w, t0, t_len, rows, columns, c, a0, a_len, b, n)
+    subtract(w, t0, t_len, rows, columns, c, a0, a_len, b, 0, n)
 
 
-@kernel
+@inner
 def _factorise_front(
     a: Floats, c: Floats, a0: int, a_len: int, p: int, u: Floats, v: Floats, u0: int, u_len: int, limits: Floats, s0: int,
     ones: Floats, b: Floats,

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, inner, kernel
 from lamella.lane import WIDTH, load_at, number_at, store_at, total
 from lamella.lane import spread as spread_out
 from lamella.roles import Floats, Indices, Ints
@@ -254,14 +254,14 @@ def solve(r: Floats, s: Floats, x: Floats, y: Floats, z: Floats, rest: Floats, *
     spread(r, z, at, down, core, rest, x, y)
 
 
-@kernel
+@inner
 def _subtract_core(core: Core, x: Floats, out: Floats) -> None:
     """out -= K x for entries between constrained coordinates."""
     for e in range(len(core.rows)):
         out[core.rows[e]] -= core.values[e] * x[core.cols[e]]
 
 
-@kernel
+@inner
 def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
     """out_f -= K_fg x_g for all groups g."""
     room = panels.room
@@ -278,7 +278,7 @@ def _subtract_panels(panels: Panels, motions: Motions, x: Floats, out: Floats) -
             out[number_at(panels.near, near + f)] -= number_at(room, f)
 
 
-@kernel
+@inner
 def _subtract_transposed(panels: Panels, motions: Motions, x: Floats, out: Floats) -> None:
     """out_g -= K_fg^T x_f for all groups g."""
     room = panels.room

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella._jit import kernel
+from lamella._jit import inner, kernel
 from lamella.lane import WIDTH, load_at, spread, store_at, total
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
@@ -58,7 +58,7 @@ class SecantCorrections:
         return self._du, self._dlam
 
 
-@kernel
+@inner
 def _dot(a: Floats, at: int, x: Floats) -> float:
     """a[at : at + n] . x"""
     sums = spread(0.0)
@@ -67,7 +67,7 @@ def _dot(a: Floats, at: int, x: Floats) -> float:
     return total(sums)
 
 
-@kernel
+@inner
 def add_row(x: Floats, factor: float, a: Floats, at: int) -> None:
     """x += factor a[at : at + n]"""
     for i in range(0, len(x), WIDTH):

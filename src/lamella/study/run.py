@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lamella._jit import announced
 from lamella.assembly.equations import Equations
+from lamella.compilation import compilation_notice
 from lamella.errors import ConvergenceError, LamellaError, ModelFileError, ResultFileError
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
@@ -72,7 +72,7 @@ def run_model(
     if not model_file.analyses:
         name, sample = model_file.name or "the model", "'analysis: {swing: {type: motion, t_end: 1 s}}'"
         raise ModelFileError(f"{name} asks for no analysis; add one, for example {sample}")
-    with announced(say):
+    with compilation_notice(progress, say):
         model = model_file.system.compile()
         finished: list[Finished] = []
         for analysis in model_file.analyses:

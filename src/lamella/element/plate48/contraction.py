@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, kernel
+from lamella._jit import inlined, inner
 from lamella.lane import load, spread, store
 from lamella.roles import Floats
 
@@ -42,7 +42,7 @@ def _store3(work: Floats, at: int, t: Any) -> None:
     store(work, at + 2, t[2])
 
 
-@kernel
+@inner
 def contract_eta(work: Floats, hessian: int, z: int, target: int, table: Floats, n: int, i: int, symmetric: bool) -> None:
     """Contract the Hessians on a line xi = const with phi_b(eta) phi_b'(eta).
 
@@ -104,7 +104,7 @@ def _store_row(k: Floats, at: int, row: Any, first: int) -> int:
     return at + 4 - first
 
 
-@kernel
+@inner
 def contract_xi(work: Floats, source: int, table: Floats, n: int, k: Floats, at: int, symmetric: bool) -> int:
     """Contract the result of :func:`contract_eta` with phi_a(xi) phi_a'(xi) and store entries (b, b', a, a') from k[at:].
 

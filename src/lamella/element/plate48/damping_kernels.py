@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lamella._jit import inlined, kernel, shared
+from lamella._jit import inlined, inner, shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
@@ -169,7 +169,7 @@ def _store_small(work: Floats, at: int, g: Any, m: Vector, d1: Vector, d2: Vecto
         _store_vector(work, at + 21, d2)
 
 
-@kernel
+@inner
 def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: int, c: int, d: int, cubed: Cubed) -> None:
     """Add (ds/dg)^T C dsdot/dg to the symmetric part for the components (c, d) and store the 25 entries at ``target``."""
     low, high = min(c, d), max(c, d)

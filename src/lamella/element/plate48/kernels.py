@@ -14,7 +14,7 @@ flat and hold lanes of numbers, one for each element of a block, and are counted
 
 from __future__ import annotations
 
-from lamella._jit import kernel, shared
+from lamella._jit import inner, kernel, shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
@@ -79,7 +79,7 @@ def force(
         spread_eta(work, sums, table, n, f, block * 48)
 
 
-@kernel
+@inner
 def _points_of_block(
     sections: Floats,
     block: int,
