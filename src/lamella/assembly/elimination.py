@@ -41,7 +41,6 @@ class Elimination:
 
     Attributes:
         independent: coordinates kept as unknowns u, shape (n_u,).
-        C: the constraints kept, sparse (n_rows, n_q), with full row rank.
         rows: the rows kept, in the order of ``C``.
         moving: those whose right-hand side changes with time.
         n_q: number of all coordinates.
@@ -58,15 +57,35 @@ class Elimination:
         free[dependent] = False
         self.independent = np.flatnonzero(free)
         self._form = form
-        self.C = _stacked(self._form, self.kept, n_q)
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
-        self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent])) if kept else None
+        self._kept = _of_rows(form, self.kept)
+        self._alone = len(self._kept[1]) == len(self.kept)
+        """Whether each row holds one coordinate, as on a clamped edge: C_d and C C^T are diagonal then."""
+        if self._alone:
+            self._inverse = _Diagonal(self._kept[2]) if kept else None
+        else:
+            self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent]))
         self._take(rows)
 
     @cached_property
-    def _gram(self) -> linalg.SuperLU | None:
+    def C(self) -> sparse.csr_array:
+        """The constraints kept, sparse (n_rows, n_q), with full row rank."""
+        starts, coords, coefs = self._kept
+        found = sparse.csr_array((coefs, coords, starts), shape=(len(self.kept), self.n_q), copy=True)
+        found.sum_duplicates()
+        return found
+
+    @cached_property
+    def _gram(self) -> _Diagonal | linalg.SuperLU | None:
         """The factorised C C^T; reactions alone ask for it."""
-        return linalg.splu(sparse.csc_array(self.C @ self.C.T)) if self.kept else None
+        if self._alone:
+            return _Diagonal(self._kept[2] ** 2) if self.kept else None
+        return linalg.splu(sparse.csc_array(self.C @ self.C.T))
+
+    def entries_of(self, rows: Ints) -> tuple[Ints, Ints, Floats]:
+        """The entries of some of the rows kept: which of these, coordinate and coefficient of each."""
+        starts, coords, coefs = _of_rows(self._kept, rows)
+        return np.repeat(np.arange(len(rows)), np.diff(starts)), coords, coefs
 
     def _take(self, rows: Sequence[LinearRow]) -> None:
         self.rows = tuple(rows[number] for number in self.kept)
@@ -159,8 +178,12 @@ class Elimination:
         return self._forces[key]
 
     def _forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
-        if self._gram is None or not len(rows):
+        if not len(rows):
             return lambda reaction: np.zeros(0)
+        if self._alone:
+            _, coords, coefs = self._kept
+            places, shares = coords[rows], 1.0 / coefs[rows]
+            return lambda reaction: shares * reaction[places]
         gram, parts = self._gram, []
         for first in range(0, len(rows), COLUMNS):
             chosen = rows[first : first + COLUMNS]
@@ -197,6 +220,11 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
     form = _form(rows)
     starts, coords, coefs = (part.tolist() for part in form)
     for number, (start, end) in enumerate(pairwise(starts)):
+        if end == start + 1 and coefs[start] and coords[start] not in solved:  # a coordinate alone, as on a clamped edge
+            kept.append(number)
+            order[coords[start]] = len(order)
+            solved[coords[start]] = {}
+            continue
         terms = _substitute(coords[start:end], coefs[start:end], solved, order, resolved)
         if not terms:
             continue
@@ -266,6 +294,8 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     place = np.empty(n_q, dtype=np.int64)
     place[free], place[dependent] = np.arange(n_u), n_u + np.arange(n_d)
     counts = np.array([len(terms) for terms in solved.values()], dtype=np.int64)
+    if not counts.any():
+        return sparse.csr_array((np.ones(n_u), np.arange(n_u), np.append(0, np.cumsum(free))), shape=(n_q, n_u))
     cols = place[np.array([c for terms in solved.values() for c in terms], dtype=np.int64)]
     values = np.array([x for terms in solved.values() for x in terms.values()], float)
     if np.any(cols >= n_u):
@@ -291,14 +321,25 @@ def _form(rows: Sequence[LinearRow]) -> Form:
     return starts, coords, coefs
 
 
-def _stacked(form: Form, kept: Sequence[int], n_q: int) -> sparse.csr_array:
-    """The coefficients of the rows kept, shape (n, n_q)."""
+def _of_rows(form: Form, rows: Sequence[int] | Ints) -> Form:
+    """Some of the rows."""
     starts, coords, coefs = form
-    found = sparse.csr_array((coefs, coords, starts), shape=(len(starts) - 1, n_q), copy=True)
-    if len(kept) < len(starts) - 1:
-        found = found[list(kept)]
-    found.sum_duplicates()
-    return found
+    chosen = np.asarray(rows, np.int64)
+    lengths = np.diff(starts)[chosen]
+    ends = np.cumsum(lengths)
+    places = np.arange(lengths.sum()) + np.repeat(starts[chosen] - ends + lengths, lengths)
+    return np.append(0, ends), coords[places], coefs[places]
+
+
+class _Diagonal:
+    """A diagonal matrix, used as a factorised one."""
+
+    def __init__(self, diagonal: Floats) -> None:
+        self._diagonal, self.nnz = diagonal, len(diagonal)
+
+    def solve(self, b: Floats, trans: str = "N") -> Floats:
+        """The solution for b (n,) or (n, m), also of the transpose."""
+        return (b.T / self._diagonal).T
 
 
 def _check_repeated(row: LinearRow, relation: dict[int, float], rows: Sequence[LinearRow]) -> None:
