@@ -78,8 +78,10 @@ class Elimination:
     @cached_property
     def _gram(self) -> _Diagonal | linalg.SuperLU | None:
         """The factorised C C^T; reactions alone ask for it."""
+        if not self.kept:
+            return None
         if self._alone:
-            return _Diagonal(self._kept[2] ** 2) if self.kept else None
+            return _Diagonal(self._kept[2] ** 2)
         return linalg.splu(sparse.csc_array(self.C @ self.C.T))
 
     def entries_of(self, rows: Ints) -> tuple[Ints, Ints, Floats]:
@@ -178,7 +180,7 @@ class Elimination:
         return self._forces[key]
 
     def _forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
-        if not len(rows):
+        if self._gram is None or not len(rows):
             return lambda reaction: np.zeros(0)
         if self._alone:
             _, coords, coefs = self._kept

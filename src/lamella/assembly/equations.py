@@ -120,7 +120,7 @@ class Equations:
     @cached_property
     def matrix(self) -> MatrixAssembly:
         """The assembly of matrices; made when first needed."""
-        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.n_u, self.symmetric)
+        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.elimination.independent, self.symmetric)
 
     def start(self, t: float = 0.0, *, factor: float = 1.0, at_rest: bool = False) -> Point:
         """The reference configuration with the initial velocities (none at rest); supports take precedence over both."""

@@ -60,6 +60,9 @@ class ShellInertia(InertiaBlock):
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
         """Vectors and masses of all entries."""
-        i = np.broadcast_to(self._vectors[:, :, None], self._values.shape)
-        j = np.broadcast_to(self._vectors[:, None, :], self._values.shape)
-        return i.reshape(-1), j.reshape(-1), self._values.reshape(-1)
+        return *self.pairs(), self._values.reshape(-1)
+
+    def pairs(self) -> tuple[Ints, Ints]:
+        """Vectors of all entries."""
+        n = self._vectors.shape[1]
+        return np.repeat(self._vectors, n, axis=1).reshape(-1), np.tile(self._vectors, n).reshape(-1)
