@@ -93,7 +93,8 @@ def gauss_tables(block: Plate48Block, section: Section | Floats, n_gauss: int) -
     stiffness, fewer = section.stiffness, section.membrane_gauss
     if stiffness.shape not in ((6, 6), (block.n_element, 6, 6)):
         raise ModelError(f"{name}: stiffness has shape {stiffness.shape}; accepted is (6, 6) or ({block.n_element}, 6, 6)")
-    if not np.allclose(stiffness, stiffness.swapaxes(-1, -2), rtol=1e-9, atol=1e-12 * np.abs(stiffness).max()):
+    size = np.abs(stiffness)
+    if not np.all(np.abs(stiffness - stiffness.swapaxes(-1, -2)) <= 1e-9 * size + 1e-12 * size.max()):
         raise ModelError(f"{name}: the section stiffness is not symmetric")
     if section.curvature not in get_args(Curvature):
         raise ModelError(f"{name}: curvature = '{section.curvature}'; accepted is {' or '.join(get_args(Curvature))}")
