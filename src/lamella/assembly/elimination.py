@@ -14,6 +14,7 @@ from scipy.sparse import linalg
 
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.pattern_kernels import sorted_by
+from lamella.assembly.row_form import Diagonal, Form, form_of, taken
 from lamella.dofs import LinearRow, Motion
 from lamella.errors import ConstraintError
 from lamella.roles import Floats, Ints
@@ -24,9 +25,6 @@ COLUMNS = 64
 """Right-hand sides solved for at once."""
 FEW = 12
 """Rows for which a product is worth its numbers in any case."""
-
-Form = tuple[Ints, Ints, Floats]
-"""Rows as arrays: where each starts, and the coordinates and coefficients of all."""
 
 
 class Elimination:
@@ -58,11 +56,11 @@ class Elimination:
         self.independent = np.flatnonzero(free)
         self._form = form
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
-        self._kept = _of_rows(form, self.kept)
+        self._kept = taken(form, self.kept)
         self._alone = len(self._kept[1]) == len(self.kept)
         """Whether each row holds one coordinate, as on a clamped edge: C_d and C C^T are diagonal then."""
         if self._alone:
-            self._inverse = _Diagonal(self._kept[2]) if kept else None
+            self._inverse = Diagonal(self._kept[2]) if kept else None
         else:
             self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent]))
         self._take(rows)
@@ -76,17 +74,17 @@ class Elimination:
         return found
 
     @cached_property
-    def _gram(self) -> _Diagonal | linalg.SuperLU | None:
+    def _gram(self) -> Diagonal | linalg.SuperLU | None:
         """The factorised C C^T; reactions alone ask for it."""
         if not self.kept:
             return None
         if self._alone:
-            return _Diagonal(self._kept[2] ** 2)
+            return Diagonal(self._kept[2] ** 2)
         return linalg.splu(sparse.csc_array(self.C @ self.C.T))
 
     def entries_of(self, rows: Ints) -> tuple[Ints, Ints, Floats]:
         """The entries of some of the rows kept: which of these, coordinate and coefficient of each."""
-        starts, coords, coefs = _of_rows(self._kept, rows)
+        starts, coords, coefs = taken(self._kept, rows)
         return np.repeat(np.arange(len(rows)), np.diff(starts)), coords, coefs
 
     def _take(self, rows: Sequence[LinearRow]) -> None:
@@ -97,7 +95,7 @@ class Elimination:
 
     def of(self, rows: Sequence[LinearRow], n_q: int) -> Elimination | None:
         """The elimination of rows with the same coefficients, which may be held at other values; None when these differ."""
-        same = n_q == self.n_q and all(map(np.array_equal, self._form, _form(rows)))
+        same = n_q == self.n_q and all(map(np.array_equal, self._form, form_of(rows)))
         if not same:
             return None
         found = copy(self)
@@ -219,7 +217,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
     resolved: dict[int, Expression] = {}
     kept: list[int] = []
     first = frozenset(() if like is None else like.dependent.tolist())
-    form = _form(rows)
+    form = form_of(rows)
     starts, coords, coefs = (part.tolist() for part in form)
     for number, (start, end) in enumerate(pairwise(starts)):
         if end == start + 1 and coefs[start] and coords[start] not in solved:  # a coordinate alone, as on a clamped edge
@@ -313,35 +311,6 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     T = sparse.csr_array((data[by_row], indices[by_row], np.concatenate([[0], ends[:n_q]])), shape=(n_q, n_u))
     T.sort_indices()
     return T
-
-
-def _form(rows: Sequence[LinearRow]) -> Form:
-    """Where each row starts, and all their coordinates and coefficients."""
-    starts = np.cumsum([0, *(len(row.coords) for row in rows)])
-    coords = np.concatenate([np.zeros(0, np.int64), *(row.coords for row in rows)])
-    coefs = np.concatenate([np.zeros(0), *(row.coefs for row in rows)])
-    return starts, coords, coefs
-
-
-def _of_rows(form: Form, rows: Sequence[int] | Ints) -> Form:
-    """Some of the rows."""
-    starts, coords, coefs = form
-    chosen = np.asarray(rows, np.int64)
-    lengths = np.diff(starts)[chosen]
-    ends = np.cumsum(lengths)
-    places = np.arange(lengths.sum()) + np.repeat(starts[chosen] - ends + lengths, lengths)
-    return np.append(0, ends), coords[places], coefs[places]
-
-
-class _Diagonal:
-    """A diagonal matrix, used as a factorised one."""
-
-    def __init__(self, diagonal: Floats) -> None:
-        self._diagonal, self.nnz = diagonal, len(diagonal)
-
-    def solve(self, b: Floats, trans: str = "N") -> Floats:
-        """The solution for b (n,) or (n, m), also of the transpose."""
-        return (b.T / self._diagonal).T
 
 
 def _check_repeated(row: LinearRow, relation: dict[int, float], rows: Sequence[LinearRow]) -> None:

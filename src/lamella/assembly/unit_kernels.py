@@ -153,7 +153,7 @@ def find_places(
         row, col = rows[k], cols[k]
         if symmetric and row > col:
             row, col = col, row
-        a, b = unit_of[row], unit_of[col]
+        a, b = int(unit_of[row]), int(unit_of[col])
         if a != last_a or b != last_b:
             last_a, last_b, pair = a, b, _pair(starts, units, a, b)
         slots[k] = lead[row] + col + shift[pair]
@@ -185,7 +185,7 @@ def place_tables(
             for i in range(counts[element]):
                 for j in range(i, counts[element]):
                     a, b = int(members[element * n + i]), int(members[element * n + j])
-                    pair = _pair(starts, units, a, b) if a < b else _pair(starts, units, b, a)
+                    pair = _pair(starts, units, min(a, b), max(a, b))
                     shifts[lane, i, j] = shifts[lane, j, i] = shift[pair]
         for entry in range(len(rows)):
             at_row, at_column = (block * n + rows[entry]) * WIDTH, (block * n + columns[entry]) * WIDTH
