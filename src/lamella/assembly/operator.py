@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import inlined, kernel, shared
-from lamella.assembly.pattern_kernels import in_layers, runs_of, sorted_by, tabulated
+from lamella.assembly.pattern_kernels import count_terms, in_layers, order_terms, runs_of, tabulated
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
@@ -28,16 +28,15 @@ class SumOperator:
     """
 
     def __init__(self, targets: Ints, sources: Ints, factors: Floats, n_targets: int) -> None:
-        lengths = np.bincount(targets, minlength=n_targets)
-        order = np.argsort(lengths, kind="stable")
-        place = np.empty_like(order)
-        place[order] = np.arange(n_targets)
-        by_row, _ = sorted_by(place[targets], n_targets)
-        self.n = n_targets
-        self.targets: Places = order.astype(np.uint32)
-        self.group_ends = np.concatenate([[0], np.cumsum(np.bincount(lengths, minlength=1))]).astype(np.int32)
-        self.sources: Places = sources[by_row].astype(np.uint32)
-        self.factors = factors[by_row]
+        lengths, begins = np.zeros(n_targets, np.int64), np.empty(n_targets, np.int64)
+        self.n, longest = n_targets, count_terms(targets, lengths)
+        self.targets: Places = np.empty(n_targets, np.uint32)
+        self.group_ends = np.zeros(longest + 2, np.int32)
+        self.sources: Places = np.empty(len(targets), np.uint32)
+        self.factors = np.empty(len(targets))
+        order_terms(
+            targets, sources, factors, lengths, begins, self.group_ends, self.targets, self.sources, self.factors
+        )  # fmt: skip
 
     @classmethod
     def of(cls, matrix: sparse.sparray) -> SumOperator:

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import kernel
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Indices, Ints
+
+Unsigned = NDArray[np.uint32]
 
 FEW = 1024
 """Different factors that are looked for one by one; more are sorted."""
@@ -177,6 +179,51 @@ def _number(cols: Ints, order: Ints, ends: Ints, indptr: Ints, indices: Ints, sl
         at = ends[row]
         indptr[row + 1] = count
     return count
+
+
+@kernel
+def count_terms(targets: Ints, lengths: Ints) -> int:
+    """Add up how many terms each sum has; the most."""
+    longest = 0
+    for i in range(len(targets)):
+        lengths[targets[i]] += 1
+        longest = max(longest, int(lengths[targets[i]]))
+    return longest
+
+
+@kernel
+def order_terms(
+    targets: Ints, sources: Ints, factors: Floats, lengths: Ints, begins: Ints,
+    group_ends: Indices, order: Unsigned, ordered_sources: Unsigned, ordered_factors: Floats,
+) -> None:  # fmt: skip
+    """Terms of sums, those of the shortest sums first.
+
+    Args:
+        targets, sources, factors: the sum, the source and the factor of each term.
+        lengths: how many terms each sum has.
+        begins: workspace (n_targets,).
+        group_ends: result: 0, and how many sums have up to 0, 1, 2, ... terms; zeros before.
+        order: result: the sums, ordered.
+        ordered_sources, ordered_factors: results: the terms, ordered.
+    """
+    for target in range(len(lengths)):
+        group_ends[lengths[target] + 1] += 1
+    for length in range(1, len(group_ends)):
+        group_ends[length] += group_ends[length - 1]
+    for target in range(len(lengths)):  # each group is filled from where the one before ends
+        order[group_ends[lengths[target]]] = target
+        group_ends[lengths[target]] += 1
+    for length in range(len(group_ends) - 1, 0, -1):
+        group_ends[length] = group_ends[length - 1]
+    group_ends[0] = 0
+    at = 0
+    for i in range(len(order)):
+        begins[order[i]] = at
+        at += lengths[order[i]]
+    for i in range(len(targets)):
+        at = begins[targets[i]]
+        begins[targets[i]] += 1
+        ordered_sources[at], ordered_factors[at] = sources[i], factors[i]
 
 
 @kernel

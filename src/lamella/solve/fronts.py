@@ -39,11 +39,9 @@ class Fronts(NamedTuple):
 def nodes_of(pattern: Pattern) -> tuple[Lists, Lists]:
     """Groups of coordinates with the same neighbours, in A and in A^T, and the neighbours of each group, itself among them."""
     starts, cols = np.asarray(pattern.indptr, np.int64), np.asarray(pattern.indices, np.int64)
-    # Equal sums of random numbers of 64 bits, one for each coordinate, are those of equal sets.
-    marks = np.random.default_rng(0).integers(0, 2**64, pattern.n, np.uint64)
-    of_row, of_column = np.zeros_like(marks), np.zeros_like(marks)
-    add_marks(starts, cols, marks, of_row, of_column)
-    sums = of_row + of_column - marks if pattern.symmetric else of_row + np.uint64(3) * of_column
+    marks, of_row, of_column = (np.zeros(pattern.n, np.uint64) for _ in range(3))
+    add_marks(starts, cols, pattern.symmetric, marks, of_row, of_column)
+    sums = of_row + (of_column if pattern.symmetric else np.uint64(3) * of_column)
     _, heads, group = np.unique(sums, return_index=True, return_inverse=True)
     n, number = len(heads), np.empty(len(heads), np.int64)
     number[np.argsort(heads)] = np.arange(n)  # in the order of their first coordinates
