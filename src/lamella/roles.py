@@ -167,7 +167,7 @@ class InertiaBlock(ABC):
         """
 
     def pairs(self) -> tuple[Ints, Ints]:
-        """Vectors i, j of all entries alone."""
+        """Vectors i, j of all entries, of which those of one triangle suffice."""
         return self.mass()[:2]
 
 

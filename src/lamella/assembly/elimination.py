@@ -223,7 +223,7 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
         if end == start + 1 and coefs[start] and coords[start] not in solved:  # a coordinate alone, as on a clamped edge
             kept.append(number)
             order[coords[start]] = len(order)
-            solved[coords[start]] = {}
+            solved[coords[start]] = NOTHING
             continue
         terms = _substitute(coords[start:end], coefs[start:end], solved, order, resolved)
         if not terms:
@@ -238,6 +238,10 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
 
 Expression = dict[int, float]
 """A dependent coordinate as sum terms[c] q_c, beside what right-hand sides add; the q_c became dependent later or not at all."""
+
+
+NOTHING: Expression = {}
+"""What a coordinate that is held alone is expressed by; not to be written to."""
 
 
 def _substitute(

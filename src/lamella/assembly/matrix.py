@@ -74,7 +74,7 @@ class MatrixAssembly:
             found.append(pairs)
             if len(several):
                 found.append(pairs_of(self._entries_of_mass(i[several], j[several], np.ones(len(several))), unit_of))
-        return found
+        return found if self._symmetric else [*found, *((second, first) for first, second in found)]
 
     def _entries_of_mass(self, i: Ints, j: Ints, m: Floats) -> Entries:
         """Contributions of entries of m to M = m x 1_3; upper ones alone when the matrix is symmetric."""

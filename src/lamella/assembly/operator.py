@@ -114,11 +114,19 @@ class ScatterSum:
         bounds: where each range of y begins, and where the last ends; all of y when left out.
     """
 
-    def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints, bounds: Sequence[int] | None = None) -> None:
+    def __init__(
+        self,
+        targets: Ints | Places,
+        sources: Ints | Places,
+        factors: Floats,
+        parts: Ints,
+        bounds: Sequence[int] | None = None,
+    ) -> None:
+        targets, sources = targets.astype(np.uint32, copy=False), sources.astype(np.uint32, copy=False)
         once = bool(np.all(sources[1:] > sources[:-1]))  # as on a mesh whose supports hold coordinates: they are in order then
         order = slice(None) if once else in_layers(sources, parts)
-        ordered, sources = targets[order].astype(np.uint32), sources[order]
-        self._table, codes = tabulated(factors[order].astype(float))
+        ordered, sources = targets[order], sources[order]
+        self._table, codes = tabulated(factors[order].astype(float, copy=False))
         self._ranges: list[Listed] = []
         for first, end in pairwise([0, np.inf] if bounds is None else bounds):
             own = slice(None) if bounds is None or len(bounds) == 2 else np.flatnonzero((ordered >= first) & (ordered < end))

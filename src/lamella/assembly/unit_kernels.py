@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lamella._jit import inlined, kernel
 from lamella.lane import WIDTH
 from lamella.roles import Floats, Ints
+
+Places = NDArray[np.uint32]
 
 
 @kernel
@@ -163,7 +168,7 @@ def find_places(
 def place_tables(
     u: Ints, scale: Floats, rows: Ints, columns: Ints, n: int, local: Ints, members: Ints, counts: Ints,
     starts: Ints, units: Ints, lead: Ints, shift: Ints, shifts: Ints,
-    slots: Ints, sources: Ints, factors: Floats,
+    slots: Places, sources: Places, factors: Floats,
 ) -> int:  # fmt: skip
     """Places of the entries of symmetric elements in the upper triangle.
 

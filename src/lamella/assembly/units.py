@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella.assembly import unit_kernels
@@ -23,14 +24,15 @@ HELD, MANY = -1, -2
 """In place of the one independent coordinate that a coordinate follows: it follows none, or several."""
 
 Pairs = tuple[Ints, Ints]
+Places32 = NDArray[np.uint32]
 EMPTY: Pairs = np.zeros(0, np.int64), np.zeros(0, np.int64)
 
 
 class Placed(NamedTuple):
     """Place, source in the buffer and factor of each entry, and whether it stands below the diagonal or on it."""
 
-    slots: Ints
-    sources: Ints
+    slots: Ints | Places32
+    sources: Ints | Places32
     factors: Floats
     below: Bools = NONE
     on_diagonal: Bools = NONE
@@ -89,7 +91,7 @@ class Table:
         """The places of the entries whose coordinates are not held."""
         tables = self._tables
         n_k, most = len(self._u) // tables.n * len(tables.rows), int(self._counts.max(initial=0))
-        slots, sources, factors = np.empty(n_k, np.int64), np.empty(n_k, np.int64), np.empty(n_k)
+        slots, sources, factors = np.empty(n_k, np.uint32), np.empty(n_k, np.uint32), np.empty(n_k)
         n = unit_kernels.place_tables(
             self._u, self._factors, tables.rows, tables.columns, tables.n, self._local, self._members, self._counts,
             places.starts, places.units, places.lead, places.shift, np.empty((WIDTH, most, most), np.int64),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -60,9 +60,16 @@ class ShellInertia(InertiaBlock):
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
         """Vectors and masses of all entries."""
-        return *self.pairs(), self._values.reshape(-1)
+        n = self._vectors.shape[1]
+        i, j = np.repeat(self._vectors, n, axis=1), np.tile(self._vectors, n)
+        return i.reshape(-1), j.reshape(-1), self._values.reshape(-1)
 
     def pairs(self) -> tuple[Ints, Ints]:
-        """Vectors of all entries."""
-        n = self._vectors.shape[1]
-        return np.repeat(self._vectors, n, axis=1).reshape(-1), np.tile(self._vectors, n).reshape(-1)
+        """Vectors of all entries, each pair of an element once."""
+        i, j = _pairs(self._vectors.shape[1])
+        return self._vectors[:, i].reshape(-1), self._vectors[:, j].reshape(-1)
+
+
+@cache
+def _pairs(n: int) -> tuple[Ints, Ints]:
+    return np.triu_indices(n)

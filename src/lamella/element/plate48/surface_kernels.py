@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from lamella._jit import inlined, kernel
+from lamella.lane import WIDTH
 from lamella.roles import Floats
 
 NO_AREA = 1e-6
@@ -99,3 +100,53 @@ def find_folds(r_xi: Floats, r_eta: Floats, degenerate: float, normals: Floats) 
             if turned < 0 and along <= 0.0:
                 turned = element * n_point + point
     return thin, turned
+
+
+N_SECTION = 27
+"""Numbers of a Gauss point: the upper triangle of the stiffness, and six constants of the surface."""
+
+
+@inlined
+def _multiply(C: Floats, row: int, col: int, T: Floats, out: Floats) -> None:
+    """out <- C[row : row + 3, col : col + 3] T."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = C[row + i, col] * T[0, j] + C[row + i, col + 1] * T[1, j] + C[row + i, col + 2] * T[2, j]
+
+
+@kernel
+def pack_sections(
+    transform: Floats, stiffness: Floats, factor: Floats, bending: Floats, constants: Floats, work: Floats, sections: Floats
+) -> None:
+    """Constants of the Gauss points for the kernels: F^T C F with F = diag(T, b T diag(1, 1, 2)), and those of the surface.
+
+    Args:
+        transform: T, shape (n_element, n_point, 3, 3).
+        stiffness: C of (eps, kap), shape (1 or n_element, 6, 6).
+        factor: factor of the stiffness, shape (n_element, n_point).
+        bending: b, shape (n_element, n_point).
+        constants: of the surface, shape (n_element, n_point, 6).
+        work: workspace (3, 3).
+        sections: result: (block, point, number, WIDTH), flat; the last element is repeated.
+    """
+    n_element, n_point = factor.shape[0], factor.shape[1]
+    for k in range(len(sections) // (n_point * N_SECTION)):
+        e = min(k, n_element - 1)
+        C = stiffness[min(e, len(stiffness) - 1)]
+        for g in range(n_point):
+            T, x, b = transform[e, g], factor[e, g], bending[e, g]
+            at = ((k // WIDTH * n_point + g) * N_SECTION) * WIDTH + k % WIDTH
+            for part in range(3):  # membrane, coupling, bending
+                row, col = 3 * (part // 2), 3 * ((part + 1) // 2)
+                _multiply(C, row, col, T, work)
+                for i in range(3):
+                    for j in range(0 if part == 1 else i, 3):
+                        value = x * (T[0, i] * work[0, j] + T[1, i] * work[1, j] + T[2, i] * work[2, j])
+                        if row:
+                            value *= 2.0 * b if i == 2 else b
+                        if col:
+                            value *= 2.0 * b if j == 2 else b
+                        r = row + i
+                        sections[at + (r * (11 - r) // 2 + col + j) * WIDTH] = value
+            for i in range(6):
+                sections[at + (21 + i) * WIDTH] = constants[e, g, i]
