@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import inlined, kernel
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, number_at
 from lamella.roles import Floats, Ints
 
 Places = NDArray[np.uint32]
@@ -167,7 +167,7 @@ def find_places(
 @kernel
 def place_tables(
     u: Ints, scale: Floats, rows: Ints, columns: Ints, n: int, local: Ints, members: Ints, counts: Ints,
-    starts: Ints, units: Ints, lead: Ints, shift: Ints, shifts: Ints,
+    starts: Ints, units: Ints, lead: Ints, shift: Ints, most: int, shifts: Ints,
     slots: Places, sources: Places, factors: Floats,
 ) -> int:  # fmt: skip
     """Places of the entries of symmetric elements in the upper triangle.
@@ -177,7 +177,8 @@ def place_tables(
         scale: factor of each coordinate, as ``u``.
         rows, columns: coordinates of each entry of an element.
         starts, units, lead, shift: see :func:`count_places`.
-        shifts: workspace (WIDTH, units of an element, units of an element).
+        most: the largest number of units of an element.
+        shifts: workspace (WIDTH, most, most), flat.
         slots, sources, factors: results: place, number in the buffer, and factor of each entry.
 
     Returns:
@@ -191,16 +192,17 @@ def place_tables(
                 for j in range(i, counts[element]):
                     a, b = int(members[element * n + i]), int(members[element * n + j])
                     pair = _pair(starts, units, min(a, b), max(a, b))
-                    shifts[lane, i, j] = shifts[lane, j, i] = shift[pair]
+                    shifts[(lane * most + i) * most + j] = shifts[(lane * most + j) * most + i] = shift[pair]
         for entry in range(len(rows)):
             at_row, at_column = (block * n + rows[entry]) * WIDTH, (block * n + columns[entry]) * WIDTH
             for lane in range(WIDTH):
                 i, j = at_row + lane, at_column + lane
-                row, col = u[i], u[j]
+                row, col = number_at(u, i), number_at(u, j)
                 if row >= 0 and col >= 0:
-                    slots[found] = lead[min(row, col)] + max(row, col) + shifts[lane, local[i], local[j]]
+                    between = number_at(shifts, (lane * most + number_at(local, i)) * most + number_at(local, j))
+                    slots[found] = number_at(lead, min(row, col)) + max(row, col) + between
                     # The entry and its mirror image fall on the diagonal where two coordinates follow the same one.
-                    factors[found] = scale[i] * scale[j] * (2.0 if row == col and i != j else 1.0)
+                    factors[found] = number_at(scale, i) * number_at(scale, j) * (2.0 if row == col and i != j else 1.0)
                     sources[found] = k
                     found += 1
                 k += 1

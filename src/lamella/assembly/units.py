@@ -94,7 +94,7 @@ class Table:
         slots, sources, factors = np.empty(n_k, np.uint32), np.empty(n_k, np.uint32), np.empty(n_k)
         n = unit_kernels.place_tables(
             self._u, self._factors, tables.rows, tables.columns, tables.n, self._local, self._members, self._counts,
-            places.starts, places.units, places.lead, places.shift, np.empty((WIDTH, most, most), np.int64),
+            places.starts, places.units, places.lead, places.shift, most, np.empty(WIDTH * most * most, np.int64),
             slots, sources, factors,
         )  # fmt: skip
         return Placed(slots[:n], sources[:n], factors[:n])

@@ -60,7 +60,7 @@ def _candidates(graph: Lists) -> list[Ints]:
     near, starts = graph
     n, degree = len(starts) - 1, np.diff(starts)
     dominant = np.where(near == np.repeat(np.arange(n), degree), np.repeat(degree, degree), -1.0)
-    matrix = sparse.csc_array((dominant, near, starts), shape=(n, n))
+    matrix = sparse.csc_array((dominant, near.astype(np.int32), starts.astype(np.int32)), shape=(n, n))
     by_degree = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c
     orders = [np.arange(n), reverse_cuthill_mckee(matrix, symmetric_mode=True), np.argsort(by_degree), by_degree]
     return [np.array(order, np.int64) for order in orders]
