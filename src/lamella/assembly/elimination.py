@@ -56,7 +56,7 @@ class Elimination:
         self.independent = np.flatnonzero(free)
         self._form = form
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
-        self._kept = taken(form, self.kept)
+        self._kept = form if len(kept) == len(rows) else taken(form, self.kept)
         self._alone = len(self._kept[1]) == len(self.kept)
         """Whether each row holds one coordinate, as on a clamped edge: C_d and C C^T are diagonal then."""
         if self._alone:
