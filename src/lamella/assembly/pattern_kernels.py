@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import kernel
+from lamella.lane import number_at
 from lamella.roles import Floats, Indices, Ints
 
 Unsigned = NDArray[np.uint32]
@@ -18,7 +19,7 @@ FEW = 1024
 def sorted_by(keys: Ints | Unsigned, n_keys: int, order: Ints | None = None) -> tuple[Ints, Ints]:
     """An order of entries, stably sorted by their keys in [0, n_keys), by counting; and where each key's entries end."""
     ends, out = np.zeros(n_keys + 1, np.int64), np.empty(len(keys), np.int64)
-    _sort(keys, np.arange(len(keys)) if order is None else order, ends, out)
+    _sort(np.ascontiguousarray(keys), np.arange(len(keys)) if order is None else np.ascontiguousarray(order), ends, out)
     return out, ends
 
 
@@ -59,20 +60,21 @@ def numbered(rows: Ints, cols: Ints, n_rows: int, n_cols: int) -> tuple[Ints, In
     """The places (row, col) that occur, in compressed rows of ascending columns, and which of them each entry has."""
     order, ends = sorted_by(rows, n_rows, sorted_by(cols, n_cols)[0])
     indptr, indices, slots = np.zeros(n_rows + 1, np.int64), np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
-    count = _number(cols, order, ends, indptr, indices, slots)
+    count = _number(np.ascontiguousarray(cols), order, ends, indptr, indices, slots)
     return indptr, indices[:count].copy(), slots
 
 
 @kernel
-def _sort(keys: Ints | Unsigned, order: Ints, ends: Ints, out: Ints) -> None:
+def _sort(keys: NDArray[np.integer], order: Ints, ends: Ints, out: Ints) -> None:
     for i in range(len(keys)):
-        ends[keys[i] + 1] += 1
+        ends[number_at(keys, i) + 1] += 1
     for k in range(1, len(ends)):
         ends[k] += ends[k - 1]
     for i in range(len(order)):
-        key = keys[order[i]]
-        out[ends[key]] = order[i]
-        ends[key] += 1
+        entry = number_at(order, i)
+        key = number_at(keys, entry)
+        at = number_at(ends, key)
+        out[at], ends[key] = entry, at + 1
 
 
 @kernel
@@ -151,9 +153,9 @@ def _number(cols: Ints, order: Ints, ends: Ints, indptr: Ints, indices: Ints, sl
     for row in range(len(indptr) - 1):
         last = -1
         for k in range(at, ends[row]):
-            i = order[k]
-            if cols[i] != last:
-                last = cols[i]
+            i = number_at(order, k)
+            if number_at(cols, i) != last:
+                last = number_at(cols, i)
                 indices[count] = last
                 count += 1
             slots[i] = count - 1

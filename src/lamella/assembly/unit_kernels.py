@@ -89,9 +89,9 @@ def list_pairs_of_mass(i: Ints, j: Ints, one: Ints, unit_of: Ints, first: Ints, 
     for k in range(len(i)):
         several = False
         for c in range(3):
-            row, col = one[3 * i[k] + c], one[3 * j[k] + c]
+            row, col = number_at(one, 3 * number_at(i, k) + c), number_at(one, 3 * number_at(j, k) + c)
             if row >= 0 and col >= 0:
-                a, b = unit_of[row], unit_of[col]
+                a, b = number_at(unit_of, row), number_at(unit_of, col)
                 if n == 0 or first[n - 1] != a or second[n - 1] != b:
                     first[n], second[n] = a, b
                     n += 1

@@ -182,5 +182,6 @@ def pairs_of(entries: Entries, unit_of: Ints) -> Pairs:
 def pairs_of_mass(i: Ints, j: Ints, followed: Followed, unit_of: Ints) -> tuple[Pairs, Ints]:
     """The pairs of units that pairs of vectors couple component by component, and which have coordinates that follow several."""
     first, second, others = np.empty(3 * len(i), np.int64), np.empty(3 * len(i), np.int64), np.empty(len(i), np.int64)
+    i, j = np.ascontiguousarray(i), np.ascontiguousarray(j)
     n, m = unit_kernels.list_pairs_of_mass(i, j, followed.one, unit_of, first, second, others)
     return (first[:n], second[:n]), others[:m]

@@ -38,7 +38,7 @@ class Fronts(NamedTuple):
 
 def nodes_of(pattern: Pattern) -> tuple[Lists, Lists]:
     """Groups of coordinates with the same neighbours, in A and in A^T, and the neighbours of each group, itself among them."""
-    starts, cols = np.asarray(pattern.indptr, np.int64), np.asarray(pattern.indices, np.int64)
+    starts, cols = (np.ascontiguousarray(part, np.int64) for part in (pattern.indptr, pattern.indices))
     marks, of_row, of_column = (np.zeros(pattern.n, np.uint64) for _ in range(3))
     add_marks(starts, cols, pattern.symmetric, marks, of_row, of_column)
     sums = of_row + (of_column if pattern.symmetric else np.uint64(3) * of_column)

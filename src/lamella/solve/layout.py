@@ -132,8 +132,8 @@ class FrontLayout:
 
     def _place_entries(self, pattern: Pattern) -> None:
         """The entries of each front, and where they stand in the panels."""
-        walked = np.asarray(pattern.indptr, np.int64), np.asarray(pattern.indices, np.int64), self.position
-        walked += self._front_at, self.coordinate
+        starts, cols = (np.ascontiguousarray(part, np.int64) for part in (pattern.indptr, pattern.indices))
+        walked = starts, cols, self.position, self._front_at, self.coordinate
         begins, n = np.zeros(len(self.fronts), np.int64), self.n
         diagonal, position = np.empty(n, np.int64), np.empty(n, np.int64)
         m = count_entries(*walked, begins, diagonal, position)

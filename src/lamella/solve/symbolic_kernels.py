@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import inlined, kernel
+from lamella.lane import number_at
 from lamella.roles import Floats, Indices, Ints
 
 FRONT_COST = 4000.0
@@ -40,9 +41,10 @@ def add_marks(starts: Ints, cols: Ints, symmetric: bool, marks: Marks, of_row: M
     for i in range(len(marks)):
         total = np.uint64(0)
         for k in range(starts[i], starts[i + 1]):
-            total += marks[cols[k]]
-            if cols[k] != i or not symmetric:
-                of_column[cols[k]] += marks[i]
+            j = number_at(cols, k)
+            total += number_at(marks, j)
+            if j != i or not symmetric:
+                of_column[j] += marks[i]
         of_row[i] = total
 
 
@@ -240,10 +242,12 @@ def count_entries(
     """
     n = 0
     for i in range(len(position)):
+        p = position[i]
         for k in range(starts[i], starts[i + 1]):
-            begins[front_at[min(position[i], position[cols[k]])] + 1] += 1
-            if cols[k] == i:
-                diagonal[n], diagonal_position[n] = k, position[i]
+            j = number_at(cols, k)
+            begins[number_at(front_at, min(p, number_at(position, j))) + 1] += 1
+            if j == i:
+                diagonal[n], diagonal_position[n] = k, p
                 n += 1
     for place in range(len(coordinate)):
         if coordinate[place] < 0:
@@ -269,10 +273,12 @@ def list_entries(
         numbers, slots: results: number and place of each entry.
     """
     for i in range(len(position)):
+        p = position[i]
         for k in range(starts[i], starts[i + 1]):
-            p, q = position[i], position[cols[k]]
-            at = ends[front_at[min(p, q)]]
-            ends[front_at[min(p, q)]] += 1
+            q = number_at(position, number_at(cols, k))
+            front = number_at(front_at, min(p, q))
+            at = number_at(ends, front)
+            ends[front] = at + 1
             numbers[at], columns[at], slots[at] = k, min(p, q), max(p, q)
     for place in range(len(coordinate)):
         if coordinate[place] < 0:
@@ -286,4 +292,4 @@ def list_entries(
         for i in range(fronts[f, 4]):
             local[rest[more + i]] = p + i
         for at in range(begins[f], begins[f + 1]):
-            slots[at] = a0 + (columns[at] - first) * a_len + local[slots[at]]
+            slots[at] = a0 + (number_at(columns, at) - first) * a_len + number_at(local, number_at(slots, at))
