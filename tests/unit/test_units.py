@@ -1,138 +1,170 @@
-"""Places of contributions found by units of coordinates are those of the dense matrix."""
+"""Quantities: conversion of numbers and texts, and the messages for what is none."""
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
+
 import numpy as np
 import pytest
-from scipy import sparse
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
 
-import lamella as lm
-from lamella.assembly.equations import Equations
-from lamella.assembly.expand import expand_matrix
-from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.point import STATIC, Weights
-from lamella.assembly.units import Followed, Listed, Places, Table, units_of
-from lamella.element.packing import packed, packed_targets
-from lamella.lane import WIDTH
-from lamella.roles import TangentTables
-
-SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
-N_Q, N = 15, 6
-"""Coordinates of five vectors, and those of an element, which has two of them."""
-ROWS, COLUMNS = np.triu_indices(N)
-VECTORS = np.array([[0, 1], [1, 2], [3, 1], [4, 0], [2, 0], [3, 4], [0, 3], [4, 1], [1, 3], [2, 4]])
-"""More elements than there are in a lane, so that the last lane is filled up."""
+from lamella import units
+from lamella.errors import LamellaError, UnitError
+from lamella.remembered import Remembered
+from lamella.units import Length, NonNegative, Thickness, Unit, quantity, to_si
 
 
-def table() -> TangentTables:
-    coords = (3 * VECTORS[:, :, None] + np.arange(3)).reshape(len(VECTORS), -1)
-    scale = np.random.default_rng(0).uniform(0.5, 2.0, coords.shape)
-    return TangentTables(packed_targets(coords), packed(scale), ROWS, COLUMNS, N)
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        ("1.5 mm", "m", 1.5e-3),
+        ("181 GPa", "Pa", 181e9),
+        ("181GPa", "Pa", 181e9),
+        ("2 kN/m", "N/m", 2e3),
+        ("3 N*m", "N*m", 3.0),
+        ("1560 kg/m^3", "kg/m^3", 1560.0),
+        ("1.56 g/cm**3", "kg/m^3", 1560.0),
+        ("90 deg", "rad", math.pi / 2),
+        ("0.5 rad", "deg", math.degrees(0.5)),
+        ("60 rpm", "rad/s", 2 * math.pi),
+        ("2 ms", "s", 2e-3),
+        ("12 ppm", "", 12e-6),
+        ("50 percent", "", 0.5),
+        ("1 mm/m", "", 1e-3),
+        ("22.5e-6 1/K", "1/K", 22.5e-6),
+        ("7", "m", 7.0),
+        ("-1e-3", "N", -1e-3),
+        (3, "m", 3.0),
+        (np.float32(0.5), "m", 0.5),
+        (np.int64(4), "m", 4.0),
+        (np.array(2.0), "m", 2.0),
+    ],
+)
+def test_conversion(value: object, unit: str, expected: float) -> None:
+    converted = to_si(value, unit)
+    assert type(converted) is float
+    assert converted == pytest.approx(expected, rel=1e-14)
 
 
-def lists(tables: TangentTables) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Row, column and scale of each entry of the buffer."""
-    coords, scale = (array.reshape(-1, N, WIDTH) for array in (tables.coords, tables.scale))
-    rows, columns = coords[:, ROWS], coords[:, COLUMNS]
-    return rows.reshape(-1), columns.reshape(-1), (scale[:, ROWS] * scale[:, COLUMNS]).reshape(-1)
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_are_si_and_unchanged(value: float) -> None:
+    assert to_si(value, "m") == value
 
 
-def follows() -> tuple[sparse.csr_array, np.ndarray]:
-    """Coordinate 4 is held, and 7 follows 1, which stands in the same elements, by a factor."""
-    T = np.eye(N_Q)
-    T[7] = -2.0 * T[1]
-    T[4] = 0.0
-    independent = np.setdiff1d(np.arange(N_Q), [4, 7])
-    return sparse.csr_array(T[:, independent]), independent
+@given(st.floats(1e-6, 1e6))
+def test_text_and_number_agree(value: float) -> None:
+    assert to_si(f"{value!r} mm", "m") == pytest.approx(1e-3 * value, rel=1e-14)
 
 
-def test_entries_of_a_table_are_those_of_its_lists():
-    tables, (T, independent) = table(), follows()
-    followed, buffer = Followed(T), np.random.default_rng(1).standard_normal(len(tables.coords) // N * len(ROWS))
-    by_table, listed = Table(tables, followed), Listed(expand_matrix(*lists(tables), "symmetric", True, T))
-    assert by_table.suits
-    first, unit_of = units_of(independent, by_table.vectors)
-    assert len(first) == 6  # five vectors, of which two have two coordinates left
-    made = []
-    for one in (by_table, listed):
-        places = Places([one.pairs(unit_of)], first, unit_of, symmetric=True)
-        found = one.placed(places)
-        values = np.bincount(found.slots, found.factors * buffer[found.sources], minlength=len(places.indices))
-        made.append(sparse.csr_array((values, places.indices, places.indptr), shape=(len(independent),) * 2).toarray())
-    rows, columns, scale = lists(tables)
-    used, whole = rows >= 0, np.zeros((N_Q, N_Q))
-    np.add.at(whole, (rows[used], columns[used]), (scale * buffer)[used])
-    whole += np.triu(whole, 1).T + np.tril(whole, -1).T
-    for matrix in made:
-        np.testing.assert_allclose(matrix, np.triu(T.T @ whole @ T), rtol=1e-12, atol=1e-12)
+@pytest.mark.parametrize(
+    ("value", "unit", "message"),
+    [
+        (
+            "1.5 kg",
+            "m",
+            "'1.5 kg' has the unit kg, which does not convert to m; accepted is a number in m or text such as '1.5 m'",
+        ),
+        ("1 m", "", "does not convert to a pure number; accepted is a plain number"),
+        ("3 furlongz", "m", "'3 furlongz' is not a number with a known unit"),
+        ("wide", "m", "'wide' is not a number with a known unit"),
+        ("1 +", "m", "is not a number with a known unit"),
+        (None, "m", "None is not a number; accepted is a number in m"),
+        (True, "m", "True is not a number"),
+        ("50 percent", "m", "does not convert to m"),
+        ([1.0], "m", "is not a number"),
+        (math.nan, "m", "nan is not finite"),
+        (math.inf, "m", "inf is not finite"),
+        ("nan m", "m", "nan is not finite"),
+    ],
+)
+def test_what_is_no_quantity_is_refused(value: object, unit: str, message: str) -> None:
+    with pytest.raises(UnitError, match=message) as caught:
+        to_si(value, unit)
+    assert isinstance(caught.value, LamellaError)
 
 
-def test_a_table_does_not_suit_coordinates_that_follow_several():
-    T = np.eye(N_Q)
-    T[4, 2] = 0.5
-    assert not Table(table(), Followed(sparse.csr_array(T))).suits
-    assert not Table(table(), Followed(sparse.csr_array(np.delete(T, 3, axis=1)))).suits  # what is held makes no difference
+def test_types_convert_and_hold_their_limits() -> None:
+    assert TypeAdapter(Length).validate_python("-2 cm") == pytest.approx(-0.02)
+    assert TypeAdapter(NonNegative).validate_python(0) == 0.0
+    for wrong in (0, "-1 mm"):
+        with pytest.raises(ValidationError, match="greater than 0"):
+            TypeAdapter(Thickness).validate_python(wrong)
+    with pytest.raises(ValidationError, match="less than 2"):
+        TypeAdapter(quantity("m", lt=2)).validate_python(2)
 
 
-@pytest.mark.parametrize("symmetric", [True, False])
-def test_units_couple_whole_and_places_count_on(symmetric: bool):
-    first, unit_of = units_of(np.array([0, 1, 2, 4, 5, 9, 10, 12]), np.array([0, 1]))
-    np.testing.assert_array_equal(first, [0, 3, 5, 6, 7, 8])  # two vectors, and the coordinates of two others one by one
-    places = Places([(np.array([1, 4, 2]), np.array([0, 1, 2]))], first, unit_of, symmetric)
-    expected = np.zeros((8, 8), bool)
-    for a, b in ((1, 0), (4, 1), *((k, k) for k in range(5))):
-        expected[first[a] : first[a + 1], first[b] : first[b + 1]] = True
-    if symmetric:
-        expected = np.triu(expected | expected.T)
-    made = sparse.csr_array((np.ones(len(places.indices)), places.indices, places.indptr), shape=(8, 8))
-    np.testing.assert_array_equal(made.toarray() > 0, expected)
-    assert made.has_sorted_indices
+def test_types_tell_their_unit() -> None:
+    assert Unit("m") in Length.__metadata__  # type: ignore[attr-defined]
+    assert TypeAdapter(Length).json_schema()["unit"] == "m"
 
 
-def test_statics_does_without_the_mass():
-    system = lm.System()
-    plate = system.add(lm.Plate("plate", (1.0, 0.8), (2, 2), SECTION))
-    system.add(lm.Clamp("root", plate.edge("x-")))
-    system.add(lm.PointForce("pull", plate.corner("x+y+"), (0.0, 0.0, 1.0)))
-    equations = Equations(system.compile())
-    lm.equilibrium(equations)
-    assert "vector_mass" not in vars(equations.model)
-    point = equations.start()
-    k, _ = equations.exact_matrix(point, Weights(0.0, 0.0, 1.0))
-    M = equations.elimination.T.T @ equations.model.mass @ equations.elimination.T
-    np.testing.assert_allclose(equations.matrix.pattern.matrix(k).toarray(), M.toarray(), rtol=1e-12, atol=1e-15)
+@pytest.fixture(autouse=True)
+def nothing_is_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each test has Pint read its quantities, whatever an earlier run has left in the cache."""
+    known = Remembered(tmp_path / "empty.json")
+    monkeypatch.setattr(known, "write", lambda: None)
+    monkeypatch.setattr(units, "_remembered", lambda: known)
+    units._parse.cache_clear()
 
 
-@pytest.mark.parametrize("symmetric", [True, False])
-def test_inertia_has_its_places_where_coordinates_follow_several(symmetric: bool):
-    model = tied().compile()
-    equations = Equations(model, symmetric=symmetric)
-    assert np.any(np.diff(equations.elimination.T.indptr) > 1)
-    k, _ = equations.exact_matrix(equations.start(), Weights(0.0, 0.0, 1.0))
-    M = equations.elimination.T.T @ model.mass @ equations.elimination.T
-    np.testing.assert_allclose(equations.matrix.pattern.matrix(k).toarray(), M.toarray(), rtol=1e-10, atol=1e-13)
+@pytest.mark.parametrize("spoiled", [False, True])
+def test_the_cache_of_units_is_never_needed(spoiled: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(units, "user_cache_path", lambda name: tmp_path / name)
+    if spoiled:
+        units._registry.__wrapped__()
+        for path in tmp_path.rglob("*.pickle"):
+            path.write_bytes(b"cut of")
+    else:
+        (tmp_path / "lamella").write_text("a file where the folder should be")
+    assert units._registry.__wrapped__().Quantity("1.5 mm").to("m").magnitude == 1.5e-3
 
 
-def test_a_stiffness_in_all_coordinates_gives_that_in_independent_ones():
-    model = tied().compile()
-    equations = Equations(model)
-    T, point = equations.elimination.T, equations.start()
-    point.u += 0.01 * equations.magnitude * np.random.default_rng(2).standard_normal(equations.n_u)
-    everything = MatrixAssembly(
-        model, equations.constraints, sparse.csr_array(sparse.eye_array(model.n_q)), np.arange(model.n_q), symmetric=False
-    )
-    q = equations.coordinates(point)
-    whole, _ = everything.values(equations.forces, equations.loads, point, q, np.zeros(model.n_q), STATIC, q)
-    K = T.T @ everything.pattern.matrix(whole.copy()) @ T
-    k, _ = equations.exact_matrix(point, STATIC)
-    found = equations.matrix.pattern.matrix(k).toarray()
-    np.testing.assert_allclose(found, K.toarray(), rtol=1e-9, atol=1e-9 * np.abs(found).max())
+def test_quantities_are_remembered_from_one_process_to_the_next(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "quantities.json"
+    first = Remembered(path)
+    assert first.get("1.5 mm", "m") is None
+    assert first.put("1.5 mm", "m", 1.5e-3) == 1.5e-3
+    first.put("1.5 mm", "km", 1.5e-6)
+    first.write()
+    later = Remembered(path)
+    assert (later.get("1.5 mm", "m"), later.get("1.5 mm", "km")) == (1.5e-3, 1.5e-6)
+    assert [file.name for file in path.parent.iterdir()] == ["quantities.json"]
 
 
-def tied() -> lm.System:
-    """A plate that is held at a point within an element, so that one of its coordinates follows others."""
-    system = lm.System()
-    plate = system.add(lm.Plate("plate", (1.0, 0.8), (3, 2), SECTION))
-    system.add(lm.PointSupport("inside", plate.marker("inside", 0.4, 0.3), axes="xyz"))
-    system.add(lm.Clamp("root", plate.edge("x-")))
-    return system
+@pytest.mark.parametrize("spoiled", ["", "cut o", "[1.0]", '{"1 mm\\nm": "1e-3"}', "\x00"])
+def test_a_spoiled_memory_of_quantities_is_never_used(spoiled: str, tmp_path: Path) -> None:
+    path = tmp_path / "quantities.json"
+    path.write_text(spoiled)
+    known = Remembered(path)
+    assert known.get("1 mm", "m") is None
+    known.put("1 mm", "m", 1e-3)
+    known.write()
+    assert Remembered(path).get("1 mm", "m") == 1e-3
+
+
+def test_quantities_that_cannot_be_kept_are_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "folder").write_text("a file where the folder should be")
+    known = Remembered(tmp_path / "folder" / "quantities.json")
+    known.put("1 mm", "m", 1e-3)
+    known.write()
+    kept = Remembered(tmp_path / "quantities.json")
+    kept.put("1 mm", "m", 1e-3)
+    monkeypatch.setattr("os.replace", lambda *paths: (_ for _ in ()).throw(OSError("no space left on device")))
+    kept.write()
+    assert [file.name for file in tmp_path.iterdir()] == ["folder"]
+
+
+def test_other_sources_remember_other_quantities(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mistake that is mended must not live on in the cache."""
+    monkeypatch.undo()
+    now = units._remembered.__wrapped__().path
+    copy = tmp_path / "units.py"
+    copy.write_bytes(Path(units.__file__).read_bytes() + b"\n")
+    monkeypatch.setattr(units, "__file__", str(copy))
+    assert units._remembered.__wrapped__().path != now
+    monkeypatch.setattr(units, "version", lambda name: "0.0")
+    monkeypatch.setattr(units, "__file__", units.__spec__.origin)
+    assert units._remembered.__wrapped__().path != now
