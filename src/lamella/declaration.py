@@ -68,9 +68,10 @@ def _signature(made: Any) -> Signature:
     return Signature(parameters, return_annotation=None)
 
 
-def given_fields(cls: type) -> list[DataField[Any]]:
+@functools.cache
+def given_fields(cls: type) -> tuple[DataField[Any], ...]:
     """The fields of a declaration that are given when it is made; those that are given by name alone come last."""
-    return sorted((field for field in fields(cls) if field.init), key=lambda field: bool(field.kw_only))
+    return tuple(sorted((field for field in fields(cls) if field.init), key=lambda field: bool(field.kw_only)))
 
 
 LIMITS = {

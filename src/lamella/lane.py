@@ -219,7 +219,7 @@ def load_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
 
 @intrinsic
 def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
-    """``number_at(array, index)``: array[index] for an index that is not negative.
+    """``number_at(array, index)``: array[index] for an index that is not negative, of an array without gaps.
 
     Numba asks of every index whether it counts from the end, which costs as much as two or three multiplications of lanes.
     """

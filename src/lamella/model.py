@@ -180,8 +180,9 @@ class Model:
 
 def _numbered(build: Build) -> tuple[ConstraintBlock, ...]:
     """The constraint blocks, each with the number of its first multiplier."""
-    joints, bodies = DotBlock("joints", build.dots), DotBlock("bodies", build.body_dots, body=True)
-    blocks = tuple(block for block in (joints, bodies, *build.constraints) if block.n_lam)
+    rows = (("joints", build.dots, False), ("bodies", build.body_dots, True))
+    dots = [DotBlock(name, items, body=body) for name, items, body in rows if items]
+    blocks = tuple(block for block in (*dots, *build.constraints) if block.n_lam)
     first = 0
     for block in blocks:
         block.first = first

@@ -18,7 +18,7 @@ of the fields and their rates.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,12 +59,31 @@ class Declaration(ABC):
         """Add coordinates, blocks, constraints and signals to the build."""
 
 
+class TangentTables(NamedTuple):
+    """Tangent entries of elements that are all alike, ``WIDTH`` at a time: entry e of an element couples its coordinates
+    ``rows[e]`` and ``columns[e]``; the buffer is (block, entry, WIDTH), flat.
+
+    Args:
+        coords: global coordinates of the elements, -1 for those that only fill up, (block, coordinate, WIDTH), flat.
+        scale: their factors, as ``coords``.
+        rows, columns: shapes (n_entry,).
+        n: coordinates of an element.
+    """
+
+    coords: Ints
+    scale: Floats
+    rows: Ints
+    columns: Ints
+    n: int
+
+
 class ForceBlock(Memory, ABC):
     """Forces that depend on time, position and velocity, with their tangent.
 
     1. ``f_coords`` (n_f,) holds the global coordinate of each entry of the force buffer, -1 for padding; ``f_scale`` (n_f,) the
        factor with which the entry enters the sum.
     2. ``k_rows, k_cols, k_scale`` (n_k,): the same for the tangent. A ``symmetric`` block lists each off-diagonal pair once.
+       ``k_tables`` says the same of a block of elements in less memory; None for other blocks.
     3. ``force`` overwrites the force buffer with the block's part of f = f_int - f_ext. It allocates nothing per element.
     4. ``force_tangent`` also overwrites the tangent buffer with alpha_q df/dq + alpha_v df/dv, exact at (t, q, v) when
        ``q_previous`` is q. ``q_previous`` is Newton's previous iterate: a block may use it to take the stress of the geometric
@@ -90,6 +109,7 @@ class ForceBlock(Memory, ABC):
     k_rows: Ints
     k_cols: Ints
     k_scale: Floats
+    k_tables: TangentTables | None = None
     k_parts: Ints | None = None
     k_used: Bools
 
@@ -145,6 +165,10 @@ class InertiaBlock(ABC):
 
         The coordinates are vectors whose three components move alike, so a mass matrix has one number for each pair of vectors.
         """
+
+    def pairs(self) -> tuple[Ints, Ints]:
+        """Vectors i, j of all entries, of which those of one triangle suffice."""
+        return self.mass()[:2]
 
 
 class ConstraintBlock(Memory, ABC):

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 
 from lamella._jit import njit
 from lamella.assembly.equations import Equations
@@ -53,19 +52,21 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
                 f"generalised {kind} of {support.name}",
             )
         ]
-    transposed = sparse.csr_array(equations.elimination.C[own].T) if len(own) else sparse.csr_array((model.n_q, 0))
+    numbers, held_coords, coefs = equations.elimination.entries_of(own)
     dots = DotBlock(support.name, [model.dots[row] for row in support.dots]) if support.dots else None
     lam = np.array(support.dots, dtype=np.int64)  # the dot rows of joints come first
-    touched = np.concatenate([transposed.nonzero()[0], np.zeros(0, np.int64) if dots is None else dots.j_cols]) // 3
-    side = np.array([support.side in (None, owner) for owner in model.owners])
-    vectors = np.array([k for k in np.unique(touched) if side[k]], dtype=np.int64)
+    vectors = np.unique(np.concatenate([held_coords, np.zeros(0, np.int64) if dots is None else dots.j_cols]) // 3)
+    if support.side is not None:
+        vectors = np.array([k for k in vectors if model.owners[k] == support.side], dtype=np.int64)
     coords = (3 * vectors[:, None] + np.arange(3)).reshape(-1)
-    forces_of, held = equations.elimination.forces_of(own), SumOperator.of(transposed[coords])
     weights, centre = model.is_position[vectors].astype(float), support.centre
     entries = np.empty(0 if dots is None else len(dots.j_cols))
     place = np.full(model.n_q, len(coords))  # what acts on the other side is left behind
     place[coords] = np.arange(len(coords))
     places = None if dots is None else place[dots.j_cols]
+    acting = place[held_coords] < len(coords)
+    held = SumOperator(place[held_coords[acting]], numbers[acting], coefs[acting], len(coords))
+    forces_of = equations.elimination.forces_of(own)
 
     def evaluate(state: State) -> Floats:
         f = held(forces_of(state.reaction))

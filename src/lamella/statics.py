@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
+from math import isfinite
 
 import numpy as np
 
@@ -170,8 +172,8 @@ def equilibrium_path(
 
 
 def _checked_steps(steps: Sequence[float] | int) -> list[float]:
-    factors = [float(s) for s in (np.linspace(0.0, 1.0, max(steps, 0) + 1)[1:] if isinstance(steps, int) else steps)]
-    if not factors or not np.isfinite(factors).all() or np.any(np.diff([0.0, *factors]) <= 0):
+    factors = [(k + 1) / steps for k in range(steps)] if isinstance(steps, int) else [float(s) for s in steps]
+    if not factors or not all(map(isfinite, factors)) or any(b <= a for a, b in pairwise([0.0, *factors])):
         raise DeclarationError(
             "equilibrium", f"steps = {steps}", "accepted is a positive number of steps or ascending factors above 0"
         )

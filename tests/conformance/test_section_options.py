@@ -8,9 +8,13 @@ from shell_patch import SURFACES, dense, gathered_force, patch, section
 
 import lamella as lm
 from lamella.element import ELEMENTS
+from lamella.element.packing import unpacked
 from lamella.element.plate48.block import ShellBlock
+from lamella.element.plate48.layout import gauss_tables
 from lamella.element.plate48.recovery import ShellRecovery
 from lamella.element.plate48.section import Section
+from lamella.element.plate48.shape import shape_at_gauss_points
+from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import DeclarationError, ModelError
 
 PLATE48 = ELEMENTS["plate48"]
@@ -46,6 +50,21 @@ def test_definitions_differ_by_the_square_of_the_stretch_of_area(rng, surface):
     squared = (1 + 2 * eps[:, 0]) * (1 + 2 * eps[:, 1]) - eps[:, 2] ** 2
     assert squared.min() > 1.5  # it stretches
     np.testing.assert_allclose((cubed[:, 3:] + B) * squared[:, None], unit[:, 3:] + B, atol=1e-7)
+
+
+@pytest.mark.parametrize("curvature", ["unit_normal", "cubed_normal"])
+@pytest.mark.parametrize("by_element", [False, True])
+def test_the_constants_that_kernels_read_are_those_of_section_and_surface(rng, curvature, by_element):
+    mesh = patch(PLATE48, [0.0, 0.5, 1.2, 1.9], [0.0, 0.4, 1.0, 1.7], SURFACES["cylinder"])
+    n = len(mesh.coords)
+    C = np.stack([section(rng) for _ in range(n)]) if by_element else section(rng)
+    block = ShellBlock("strip", *mesh.tables, Section(C, curvature=curvature))
+    (tables,) = gauss_tables(block, Section(C, curvature=curvature), 3)
+    surface = reference_surface("strip", derivatives_at_points(shape_at_gauss_points(PLATE48, 3), block.rest))
+    numbers = unpacked(tables.sections, n).reshape(n, 9, 27)
+    upper = tables.stiffness[..., *np.triu_indices(6)]
+    np.testing.assert_allclose(numbers[..., :21], upper, rtol=1e-12, atol=1e-12 * np.abs(upper).max())
+    np.testing.assert_array_equal(numbers[..., 21:], surface.constants(True if curvature == "cubed_normal" else None))
 
 
 def test_definitions_agree_without_stretch():

@@ -83,6 +83,25 @@ def test_moving_right_hand_side_and_its_rates():
     assert found.accelerations(t) == pytest.approx([drive.acceleration(t)])
 
 
+def test_rows_of_one_coordinate_each_need_no_factorisation():
+    rows = [row([3], [2.0], 4.0), row([1], [-0.5], 1.0), row([3], [1.0], 2.0), row([0], [1.0], 0.0)]
+    found = eliminate(rows, 5)
+    assert found.kept == (0, 1, 3)
+    np.testing.assert_array_equal(found.independent, [2, 4])
+    np.testing.assert_array_equal(found.T.toarray(), np.eye(5)[:, [2, 4]])
+    np.testing.assert_allclose(found.particular(found.right_hand_side(0.0)), [0.0, -2.0, 0.0, 2.0, 0.0])
+    np.testing.assert_allclose(found.particular(np.eye(3)), np.linalg.pinv(found.C.toarray()))
+    mu = np.array([3.0, -2.0, 0.5])
+    np.testing.assert_allclose(found.row_forces(found.C.T @ mu), mu)
+    np.testing.assert_allclose(found.forces_of(np.array([2, 0]))(found.C.T @ mu), mu[[2, 0]])
+    of, coords, coefs = found.entries_of(np.array([1, 0]))
+    assert (of.tolist(), coords.tolist(), coefs.tolist()) == ([0, 1], [1, 3], [-0.5, 2.0])
+
+
+def test_a_coefficient_of_zero_holds_nothing():
+    assert eliminate([row([1], [0.0], 0.0)], 2).kept == ()
+
+
 def test_row_forces_recover_the_multipliers():
     rng = np.random.default_rng(5)
     rows = [row([0, 1, 2], rng.standard_normal(3), 0.0), row([2, 3], [1, 1], 0.0), row([5], [1], 0.0)]

@@ -107,16 +107,20 @@ def test_entries_stand_in_the_panel_of_the_front_that_eliminates_them(symmetric:
     pattern = pattern_of(blocks(30, 5, 0.1).toarray(), symmetric=symmetric)[0]
     layout = FrontLayout(pattern)
     p, q = layout.position[pattern.rows], layout.position[pattern.indices]
+    owner, place, above = layout.by_entry(pattern)
+    np.testing.assert_array_equal(above, p < q)
+    np.testing.assert_array_equal(pattern.indices[layout.diagonal], pattern.rows[layout.diagonal])
+    np.testing.assert_array_equal(layout.diagonal_position, layout.position[pattern.rows[layout.diagonal]])
     for f, (first, n, a_len, a0, u, *_, more, _, _, _) in enumerate(layout.fronts[:-1].tolist()):
         rows = [*range(first, first + n), *layout.rows[more : more + u].tolist()]
-        own = np.flatnonzero(layout.owner == f)
+        own = np.flatnonzero(owner == f)
         column, row = np.minimum(p, q)[own], np.maximum(p, q)[own]
         assert np.all((column >= first) & (column < first + n))
-        np.testing.assert_array_equal(layout.slots[own], a0 + (column - first) * a_len + [rows.index(i) for i in row])
+        np.testing.assert_array_equal(place[own], a0 + (column - first) * a_len + [rows.index(i) for i in row])
         np.testing.assert_array_equal(layout.pivots[first : first + n], a0 + np.arange(n) * (a_len + 1))
     numbers, slots, starts = layout.entries
     assert sorted(numbers[numbers >= 0]) == list(range(len(p)))
-    np.testing.assert_array_equal(slots[numbers >= 0], layout.slots[numbers[numbers >= 0]])
+    np.testing.assert_array_equal(slots[numbers >= 0], place[numbers[numbers >= 0]])
     assert sorted(slots[numbers < 0]) == sorted(layout.pivots[layout.padded])
     of = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
-    np.testing.assert_array_equal(of[numbers >= 0], layout.owner[numbers[numbers >= 0]])
+    np.testing.assert_array_equal(of[numbers >= 0], owner[numbers[numbers >= 0]])

@@ -18,9 +18,11 @@ from linear_systems import (
     pendulum,
     system_of,
 )
+from scipy import sparse
 
 import lamella as lm
 from lamella.errors import DeclarationError, ModelError
+from lamella.solve.eigen import gyroscopic
 
 F = np.array([0.3, 1.6, 4.0])
 S = 2j * np.pi * F
@@ -155,6 +157,22 @@ def test_poles_of_a_hub_that_spins_are_its_natural_frequencies():
     # the drive bore nothing, so that the state is one of the free hub as well, though it has a multiplier less
     free = lm.linearise(hub(omega, spin=True), ("motor",), ("hub.euler.yaw",), state=state).state_space()
     assert vibrations(free)[0] > 1.5 * expected[0]
+
+
+def test_natural_frequencies_of_what_spins_are_found_whatever_the_rounding_of_the_stiffness(monkeypatch):
+    held, rng, given = hub(20.0, spin=True, hold=True), np.random.default_rng(5), []
+
+    def noted(*arguments):
+        given.append(arguments)
+        return gyroscopic(*arguments)
+
+    monkeypatch.setattr("lamella.modal.gyroscopic", noted)
+    expected = 2 * np.pi * lm.modes(held, 3, state=lm.equilibrium(held).final).frequencies
+    K, *others = given[0]
+    for _ in range(20):
+        near = K.toarray() * (1.0 + 1e-16 * rng.standard_normal(K.shape))
+        roots, _ = gyroscopic(sparse.csc_array(0.5 * (near + near.T)), *others)
+        np.testing.assert_allclose(np.abs(roots), expected, rtol=1e-9)
 
 
 def test_heat_alone_has_no_motions():

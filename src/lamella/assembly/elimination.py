@@ -14,6 +14,7 @@ from scipy.sparse import linalg
 
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.pattern_kernels import sorted_by
+from lamella.assembly.row_form import Diagonal, Form, form_of, taken
 from lamella.dofs import LinearRow, Motion
 from lamella.errors import ConstraintError
 from lamella.roles import Floats, Ints
@@ -24,9 +25,6 @@ COLUMNS = 64
 """Right-hand sides solved for at once."""
 FEW = 12
 """Rows for which a product is worth its numbers in any case."""
-
-Form = tuple[Ints, Ints, Floats]
-"""Rows as arrays: where each starts, and the coordinates and coefficients of all."""
 
 
 class Elimination:
@@ -41,7 +39,6 @@ class Elimination:
 
     Attributes:
         independent: coordinates kept as unknowns u, shape (n_u,).
-        C: the constraints kept, sparse (n_rows, n_q), with full row rank.
         rows: the rows kept, in the order of ``C``.
         moving: those whose right-hand side changes with time.
         n_q: number of all coordinates.
@@ -58,15 +55,37 @@ class Elimination:
         free[dependent] = False
         self.independent = np.flatnonzero(free)
         self._form = form
-        self.C = _stacked(self._form, self.kept, n_q)
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
-        self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent])) if kept else None
+        self._kept = form if len(kept) == len(rows) else taken(form, self.kept)
+        self._alone = len(self._kept[1]) == len(self.kept)
+        """Whether each row holds one coordinate, as on a clamped edge: C_d and C C^T are diagonal then."""
+        if self._alone:
+            self._inverse = Diagonal(self._kept[2]) if kept else None
+        else:
+            self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent]))
         self._take(rows)
 
     @cached_property
-    def _gram(self) -> linalg.SuperLU | None:
+    def C(self) -> sparse.csr_array:
+        """The constraints kept, sparse (n_rows, n_q), with full row rank."""
+        starts, coords, coefs = self._kept
+        found = sparse.csr_array((coefs, coords, starts), shape=(len(self.kept), self.n_q), copy=True)
+        found.sum_duplicates()
+        return found
+
+    @cached_property
+    def _gram(self) -> Diagonal | linalg.SuperLU | None:
         """The factorised C C^T; reactions alone ask for it."""
-        return linalg.splu(sparse.csc_array(self.C @ self.C.T)) if self.kept else None
+        if not self.kept:
+            return None
+        if self._alone:
+            return Diagonal(self._kept[2] ** 2)
+        return linalg.splu(sparse.csc_array(self.C @ self.C.T))
+
+    def entries_of(self, rows: Ints) -> tuple[Ints, Ints, Floats]:
+        """The entries of some of the rows kept: which of these, coordinate and coefficient of each."""
+        starts, coords, coefs = taken(self._kept, rows)
+        return np.repeat(np.arange(len(rows)), np.diff(starts)), coords, coefs
 
     def _take(self, rows: Sequence[LinearRow]) -> None:
         self.rows = tuple(rows[number] for number in self.kept)
@@ -76,7 +95,7 @@ class Elimination:
 
     def of(self, rows: Sequence[LinearRow], n_q: int) -> Elimination | None:
         """The elimination of rows with the same coefficients, which may be held at other values; None when these differ."""
-        same = n_q == self.n_q and all(map(np.array_equal, self._form, _form(rows)))
+        same = n_q == self.n_q and all(map(np.array_equal, self._form, form_of(rows)))
         if not same:
             return None
         found = copy(self)
@@ -161,6 +180,10 @@ class Elimination:
     def _forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
         if self._gram is None or not len(rows):
             return lambda reaction: np.zeros(0)
+        if self._alone:
+            _, coords, coefs = self._kept
+            places, shares = coords[rows], 1.0 / coefs[rows]
+            return lambda reaction: shares * reaction[places]
         gram, parts = self._gram, []
         for first in range(0, len(rows), COLUMNS):
             chosen = rows[first : first + COLUMNS]
@@ -194,9 +217,14 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
     resolved: dict[int, Expression] = {}
     kept: list[int] = []
     first = frozenset(() if like is None else like.dependent.tolist())
-    form = _form(rows)
+    form = form_of(rows)
     starts, coords, coefs = (part.tolist() for part in form)
     for number, (start, end) in enumerate(pairwise(starts)):
+        if end == start + 1 and coefs[start] and coords[start] not in solved:  # a coordinate alone, as on a clamped edge
+            kept.append(number)
+            order[coords[start]] = len(order)
+            solved[coords[start]] = NOTHING
+            continue
         terms = _substitute(coords[start:end], coefs[start:end], solved, order, resolved)
         if not terms:
             continue
@@ -210,6 +238,10 @@ def eliminate(rows: Sequence[LinearRow], n_q: int, like: Elimination | None = No
 
 Expression = dict[int, float]
 """A dependent coordinate as sum terms[c] q_c, beside what right-hand sides add; the q_c became dependent later or not at all."""
+
+
+NOTHING: Expression = {}
+"""What a coordinate that is held alone is expressed by; not to be written to."""
 
 
 def _substitute(
@@ -266,6 +298,8 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     place = np.empty(n_q, dtype=np.int64)
     place[free], place[dependent] = np.arange(n_u), n_u + np.arange(n_d)
     counts = np.array([len(terms) for terms in solved.values()], dtype=np.int64)
+    if not counts.any():
+        return sparse.csr_array((np.ones(n_u), np.arange(n_u), np.append(0, np.cumsum(free))), shape=(n_q, n_u))
     cols = place[np.array([c for terms in solved.values() for c in terms], dtype=np.int64)]
     values = np.array([x for terms in solved.values() for x in terms.values()], float)
     if np.any(cols >= n_u):
@@ -281,24 +315,6 @@ def _map(solved: dict[int, Expression], order: dict[int, int], n_q: int) -> spar
     T = sparse.csr_array((data[by_row], indices[by_row], np.concatenate([[0], ends[:n_q]])), shape=(n_q, n_u))
     T.sort_indices()
     return T
-
-
-def _form(rows: Sequence[LinearRow]) -> Form:
-    """Where each row starts, and all their coordinates and coefficients."""
-    starts = np.cumsum([0, *(len(row.coords) for row in rows)])
-    coords = np.concatenate([np.zeros(0, np.int64), *(row.coords for row in rows)])
-    coefs = np.concatenate([np.zeros(0), *(row.coefs for row in rows)])
-    return starts, coords, coefs
-
-
-def _stacked(form: Form, kept: Sequence[int], n_q: int) -> sparse.csr_array:
-    """The coefficients of the rows kept, shape (n, n_q)."""
-    starts, coords, coefs = form
-    found = sparse.csr_array((coefs, coords, starts), shape=(len(starts) - 1, n_q), copy=True)
-    if len(kept) < len(starts) - 1:
-        found = found[list(kept)]
-    found.sum_duplicates()
-    return found
 
 
 def _check_repeated(row: LinearRow, relation: dict[int, float], rows: Sequence[LinearRow]) -> None:

@@ -60,7 +60,6 @@ class Equations:
         self.expand = known.expand if known else SumOperator.of(T)
         self._gather = known._gather if known else self.expand.transposed(self.n_u)
         self._fixed = self.elimination.particular(self.elimination.constant)
-        self._source = SumOperator.of(self.elimination.of_motions)
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = Recent(), Recent()
         self._row_size = np.zeros(0)
@@ -68,6 +67,11 @@ class Equations:
             self.constraints.kept, self._row_size = like.constraints.kept, like._row_size
         elif self.constraints.n_all or self.elimination.relations:
             self._keep_independent()
+
+    @cached_property
+    def _source(self) -> SumOperator:
+        """What motions of supports add to the coordinates."""
+        return SumOperator.of(self.elimination.of_motions)
 
     @property
     def n_lam(self) -> int:
@@ -120,7 +124,7 @@ class Equations:
     @cached_property
     def matrix(self) -> MatrixAssembly:
         """The assembly of matrices; made when first needed."""
-        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.n_u, self.symmetric)
+        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.elimination.independent, self.symmetric)
 
     def start(self, t: float = 0.0, *, factor: float = 1.0, at_rest: bool = False) -> Point:
         """The reference configuration with the initial velocities (none at rest); supports take precedence over both."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +18,7 @@ from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
 from lamella.assembly.point import Point, Weights
+from lamella.assembly.units import Followed, Listed, Pairs, Placed, Places, Table, pairs_of, pairs_of_mass, units_of
 from lamella.inertia import of_components
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, Symmetry
@@ -38,71 +39,81 @@ class MatrixAssembly:
         model: the compiled model.
         constraints: its constraints, with the rows that are kept.
         T: map from independent to all coordinates, (n_q, n_u).
-        n_u: number of independent coordinates.
+        independent: the independent ones among all coordinates, shape (n_u,).
         symmetric: keep the upper triangle only.
     """
 
-    def __init__(self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
-        self.model, self.constraints = model, constraints
-        blocks = (*model.forces, *model.loads, *model.constraints)
-        entries, ends = [], [0]
+    def __init__(
+        self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, independent: Ints, symmetric: bool
+    ) -> None:
+        self.model, self.constraints, self._T, self._symmetric = model, constraints, T, symmetric
+        blocks, followed = (*model.forces, *model.loads, *model.constraints), Followed(T)
+        lists, ends = [], [0]
         for block in blocks:
-            rows = block.k_rows
-            entries.append(_entries(block, rows, symmetric, T, ends[-1]))
-            ends.append(ends[-1] + len(rows))
+            found, n_k = _listed(block, symmetric, T, followed)
+            lists.append(found)
+            ends.append(ends[-1] + n_k)
         self.buffer = np.zeros(ends[-1])
         self.parts = [self.buffer[first:end] for first, end in pairwise(ends)]
-        inertia = _inertia(model.vector_mass, symmetric, T)
-        diagonal = np.arange(n_u)  # always stored, so that a pattern has no empty row
-        rows = np.concatenate([*(e.rows for e in entries), inertia.rows, diagonal])
-        cols = np.concatenate([*(e.cols for e in entries), inertia.cols, diagonal])
-        indptr, indices, slots = numbered(
-            *((np.minimum(rows, cols), np.maximum(rows, cols)) if symmetric else (rows, cols)), n_u, n_u
-        )
-        n_entries = sum(len(e.rows) for e in entries)
-        self._values = np.zeros(len(indices))
-        """The matrix and, below, M alone in the pattern's order."""
-        of_mass = slots[n_entries : len(slots) - n_u]
-        self.mass = np.bincount(of_mass, inertia.factors, minlength=len(indices)).astype(float)
-        self._sum_setup(blocks, entries, slots[:n_entries], symmetric)
-        j_indptr, j_indices = self._jacobian_setup(model, T, n_u)
+        vectors = [one.vectors for one in lists if isinstance(one, Table)]
+        first, unit_of = units_of(independent, np.concatenate([np.zeros(0, np.int64), *vectors]))
+        pairs = [*(one.pairs(unit_of) for one in lists), *self._pairs_of_mass(followed, unit_of)]
+        self._places = places = Places(pairs, first, unit_of, symmetric)
+        self._values = np.zeros(len(places.indices))
+        self._sum_setup(blocks, [one.placed(places) for one in lists], ends)
+        n_u = len(independent)
         self.pattern = Pattern(
-            n_u,
-            indptr,
-            indices,
-            symmetric,
-            constraints.n_lam,
-            j_indptr,
-            j_indices,
+            n_u, places.indptr, places.indices, symmetric, constraints.n_lam, *self._jacobian_setup(model, T, n_u)
         )
 
-    def _sum_setup(self, blocks: Sequence[Block], entries: Sequence[Entries], slots: Ints, symmetric: bool) -> None:
+    def _pairs_of_mass(self, followed: Followed, unit_of: Ints) -> list[Pairs]:
+        """The pairs of units that inertia couples; its values are not asked for yet."""
+        found = []
+        for i, j in (block.pairs() for block in self.model.inertias):
+            pairs, several = pairs_of_mass(i, j, followed, unit_of)
+            found.append(pairs)
+            if len(several):
+                found.append(pairs_of(self._entries_of_mass(i[several], j[several], np.ones(len(several))), unit_of))
+        return found if self._symmetric else [*found, *((second, first) for first, second in found)]
+
+    def _entries_of_mass(self, i: Ints, j: Ints, m: Floats) -> Entries:
+        """Contributions of entries of m to M = m x 1_3; upper ones alone when the matrix is symmetric."""
+        symmetry = "symmetric" if self._symmetric else "none"
+        return expand_matrix(*of_components(i, j, m), symmetry, self._symmetric, self._T)
+
+    @cached_property
+    def mass(self) -> Floats:
+        """The values of M alone in the pattern's order; statics does without them."""
+        m = self.model.vector_mass.tocoo()
+        upper = m.row <= m.col if self._symmetric else slice(None)
+        i, j = m.row[upper].astype(np.int64), m.col[upper].astype(np.int64)
+        entries = self._entries_of_mass(i, j, m.data[upper].astype(float))
+        return np.bincount(self._places.of(entries), entries.factors, minlength=len(self._values)).astype(float)
+
+    def _sum_setup(self, blocks: Sequence[Block], placed: Sequence[Placed], starts: Sequence[int]) -> None:
         """The operators that sum the buffer: of what is symmetric, of pairs, and of each block that may leave out parts."""
-        starts = np.cumsum([0, *(len(part) for part in self.parts)])
-        ends = np.cumsum([len(e.rows) for e in entries])
-        paired = [symmetric and _symmetry(block) != "symmetric" for block in blocks]
-        self._bounds = _bounds(sum(len(e.rows) for e in entries), len(self._values))
+        paired = [self._symmetric and _symmetry(block) != "symmetric" for block in blocks]
+        self._bounds = _bounds(sum(len(one.slots) for one in placed), len(self._values))
         self.pairs = np.zeros(2 * len(self._values) if any(paired) else 0)
         """A_ij and A_ji of blocks that are nearly symmetric, side by side in the pattern's order; 2 A_ii, 0 on the diagonal."""
         self._sums: list[tuple[ForceBlock | None, Floats, ScatterSum, Floats]] = []
         for pairs, out in ((False, self._values), (True, self.pairs)):
             bounds = [(1 + pairs) * bound for bound in self._bounds]
-            places, sources, factors = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
-            for block, e, start, end, part, own in zip(blocks, entries, starts, ends, self.parts, paired, strict=False):
+            whole = []
+            for block, one, start, part, own in zip(blocks, placed, starts, self.parts, paired, strict=False):
                 if own != pairs:
                     continue
-                at, x = slots[end - len(e.rows) : end], e.factors
+                at, x = one.slots, one.factors
                 if pairs:
-                    at, x = 2 * at + (e.rows > e.cols), np.where(e.rows == e.cols, 2.0, 1.0) * x
+                    at, x = 2 * at + one.below, np.where(one.on_diagonal, 2.0, 1.0) * x
                 if isinstance(block, ForceBlock) and block.k_parts is not None:
-                    self._sums.append((block, part, ScatterSum(at, e.sources - start, x, block.k_parts, bounds), out))
-                else:
-                    places.append(at)
-                    sources.append(e.sources)
-                    factors.append(x)
-            if len(places) > 1:
-                whole = np.concatenate(places), np.concatenate(sources), np.concatenate(factors)
-                self._sums.append((None, self.buffer, ScatterSum(*whole, np.array([0, len(self.buffer)]), bounds), out))
+                    self._sums.append((block, part, ScatterSum(at, one.sources, x, block.k_parts, bounds), out))
+                elif len(at):
+                    whole.append((at, one.sources + start if start else one.sources, x))
+            if whole:
+                at, sources, x = whole[0] if len(whole) == 1 else (np.concatenate(part) for part in zip(*whole, strict=True))
+                total = ScatterSum(at, sources, x, np.array([0, len(self.buffer)]), bounds)
+                self._sums.append((None, self.buffer, total, out))
 
     def _jacobian_setup(self, model: Model, T: sparse.csr_array, n_u: int) -> tuple[Ints, Ints]:
         """The operator that sums the buffer of Phi_q; the pattern of Phi_q T in compressed rows."""
@@ -152,11 +163,15 @@ class MatrixAssembly:
 
     def add_up(self, alpha_a: float) -> None:
         """Sum the buffer and alpha_a M into the values of the matrix."""
-        threads.run([partial(self._add_range, i, alpha_a) for i in range(len(self._bounds) - 1)])
+        mass = self.mass if alpha_a else None
+        threads.run([partial(self._add_range, i, mass, alpha_a) for i in range(len(self._bounds) - 1)])
 
-    def _add_range(self, number: int, alpha_a: float) -> None:
+    def _add_range(self, number: int, mass: Floats | None, alpha_a: float) -> None:
         first, end = self._bounds[number : number + 2]
-        np.multiply(self.mass[first:end], alpha_a, out=self._values[first:end])
+        if mass is None:
+            self._values[first:end] = 0.0
+        else:
+            np.multiply(mass[first:end], alpha_a, out=self._values[first:end])
         self.pairs[2 * first : 2 * end] = 0.0
         for block, x, total, out in self._sums:
             total.add(x, EVERY if block is None else block.k_used, out, number)
@@ -183,21 +198,15 @@ def _symmetry(block: Block) -> Symmetry:
     return block.symmetry if isinstance(block, ForceBlock) else "symmetric"
 
 
-def _entries(block: Block, rows: Ints, symmetric: bool, T: sparse.csr_array, start: int) -> Entries:
-    """Contributions of a block whose buffer begins at ``start``; upper ones alone where block and matrix are symmetric."""
-    symmetry = _symmetry(block)
+def _listed(block: Block, symmetric: bool, T: sparse.csr_array, followed: Followed) -> tuple[Table | Listed, int]:
+    """Contributions of a block, upper ones alone where block and matrix are symmetric, and the length of its buffer."""
+    symmetry, tables = _symmetry(block), block.k_tables if isinstance(block, ForceBlock) else None
+    upper = symmetric and symmetry == "symmetric"
+    if upper and tables is not None and (table := Table(tables, followed)).suits:
+        return table, len(tables.coords) // tables.n * len(tables.rows)
+    rows = block.k_rows
     scale = block.k_scale if isinstance(block, ForceBlock) else np.ones(len(rows))
-    found = expand_matrix(rows, block.k_cols, scale, symmetry, symmetric and symmetry == "symmetric", T)
-    return Entries(found.rows, found.cols, found.sources + start, found.factors)
-
-
-def _inertia(mass: sparse.csr_array, symmetric: bool, T: sparse.csr_array) -> Entries:
-    """Contributions of the entries of M = m x 1_3, from m; upper ones alone when the matrix is symmetric."""
-    entries = mass.tocoo()
-    upper = entries.row <= entries.col if symmetric else slice(None)
-    i, j = entries.row[upper].astype(np.int64), entries.col[upper].astype(np.int64)
-    of_all = of_components(i, j, entries.data[upper].astype(float))
-    return expand_matrix(*of_all, "symmetric" if symmetric else "none", symmetric, T)
+    return Listed(expand_matrix(rows, block.k_cols, scale, symmetry, upper, T)), len(rows)
 
 
 @shared

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from lamella._jit import inlined, kernel, shared
-from lamella.assembly.pattern_kernels import in_layers, runs_of, sorted_by, tabulated
+from lamella.assembly.pattern_kernels import count_terms, in_layers, order_terms, runs_of, tabulated
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
@@ -28,16 +28,15 @@ class SumOperator:
     """
 
     def __init__(self, targets: Ints, sources: Ints, factors: Floats, n_targets: int) -> None:
-        lengths = np.bincount(targets, minlength=n_targets)
-        order = np.argsort(lengths, kind="stable")
-        place = np.empty_like(order)
-        place[order] = np.arange(n_targets)
-        by_row, _ = sorted_by(place[targets], n_targets)
-        self.n = n_targets
-        self.targets: Places = order.astype(np.uint32)
-        self.group_ends = np.concatenate([[0], np.cumsum(np.bincount(lengths, minlength=1))]).astype(np.int32)
-        self.sources: Places = sources[by_row].astype(np.uint32)
-        self.factors = factors[by_row]
+        lengths, begins = np.zeros(n_targets, np.int64), np.empty(n_targets, np.int64)
+        self.n, longest = n_targets, count_terms(targets, lengths)
+        self.targets: Places = np.empty(n_targets, np.uint32)
+        self.group_ends = np.zeros(longest + 2, np.int32)
+        self.sources: Places = np.empty(len(targets), np.uint32)
+        self.factors = np.empty(len(targets))
+        order_terms(
+            targets, sources, factors, lengths, begins, self.group_ends, self.targets, self.sources, self.factors
+        )  # fmt: skip
 
     @classmethod
     def of(cls, matrix: sparse.sparray) -> SumOperator:
@@ -115,11 +114,19 @@ class ScatterSum:
         bounds: where each range of y begins, and where the last ends; all of y when left out.
     """
 
-    def __init__(self, targets: Ints, sources: Ints, factors: Floats, parts: Ints, bounds: Sequence[int] | None = None) -> None:
+    def __init__(
+        self,
+        targets: Ints | Places,
+        sources: Ints | Places,
+        factors: Floats,
+        parts: Ints,
+        bounds: Sequence[int] | None = None,
+    ) -> None:
+        targets, sources = targets.astype(np.uint32, copy=False), sources.astype(np.uint32, copy=False)
         once = bool(np.all(sources[1:] > sources[:-1]))  # as on a mesh whose supports hold coordinates: they are in order then
         order = slice(None) if once else in_layers(sources, parts)
-        ordered, sources = targets[order].astype(np.uint32), sources[order]
-        self._table, codes = tabulated(factors[order].astype(float))
+        ordered, sources = targets[order], sources[order]
+        self._table, codes = tabulated(factors[order].astype(float, copy=False))
         self._ranges: list[Listed] = []
         for first, end in pairwise([0, np.inf] if bounds is None else bounds):
             own = slice(None) if bounds is None or len(bounds) == 2 else np.flatnonzero((ordered >= first) & (ordered < end))

@@ -5,21 +5,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lamella._jit import inner, kernel
-from lamella.roles import Floats, Ints
+from lamella._jit import kernel
+from lamella.lane import number_at
+from lamella.roles import Floats, Indices, Ints
+
+Unsigned = NDArray[np.uint32]
+Marks = NDArray[np.uint64]
 
 FEW = 1024
-"""Different factors that are looked for one by one; more are sorted."""
+"""Different factors that are found by their bits; more are sorted."""
 
 
-def sorted_by(keys: Ints, n_keys: int, order: Ints | None = None) -> tuple[Ints, Ints]:
+def sorted_by(keys: Ints | Unsigned, n_keys: int, order: Ints | None = None) -> tuple[Ints, Ints]:
     """An order of entries, stably sorted by their keys in [0, n_keys), by counting; and where each key's entries end."""
     ends, out = np.zeros(n_keys + 1, np.int64), np.empty(len(keys), np.int64)
-    _sort(keys, np.arange(len(keys)) if order is None else order, ends, out)
+    _sort(np.ascontiguousarray(keys), np.arange(len(keys)) if order is None else np.ascontiguousarray(order), ends, out)
     return out, ends
 
 
-def in_layers(sources: Ints, parts: Ints) -> Ints:
+def in_layers(sources: Ints | Unsigned, parts: Ints) -> Ints:
     """The order of contributions by part of the buffer, and within one by layer: the first of each source, then the second ones.
 
     Args:
@@ -32,7 +36,7 @@ def in_layers(sources: Ints, parts: Ints) -> Ints:
     return out
 
 
-def runs_of(sources: Ints, parts: Ints) -> tuple[Ints, Ints]:
+def runs_of(sources: Ints | Unsigned, parts: Ints) -> tuple[Ints, Ints]:
     """Runs of consecutive sources of ordered contributions: the first of each part, shape (n_part + 1,), and (first, end, ahead)
     of each, shape (n, 3): contribution i of a run has the source i + ahead.
     """
@@ -43,36 +47,34 @@ def runs_of(sources: Ints, parts: Ints) -> tuple[Ints, Ints]:
 
 
 def tabulated(factors: Floats) -> tuple[Floats, NDArray[np.integer]]:
-    """The different factors, ascending, and which of them each is."""
-    table = np.empty(FEW)
-    n = _tabulate(factors, table)
-    if n < 0:
-        table = np.unique(factors)
-        codes = np.searchsorted(table, factors)
-        return table, codes.astype(np.uint16 if len(table) <= np.iinfo(np.uint16).max else np.int32)
-    few = np.empty(len(factors), np.uint16)
-    _encode(factors, table[:n], few)
-    return table[:n].copy(), few
+    """The different factors, and which of them each is."""
+    table, codes = np.empty(FEW), np.empty(len(factors), np.uint16)
+    n = _tabulate(factors, factors.view(np.uint64), np.full(4 * FEW, -1), table, codes)
+    if n >= 0:
+        return table[:n].copy(), codes
+    table = np.unique(factors)
+    return table, np.searchsorted(table, factors).astype(np.uint16 if len(table) <= np.iinfo(np.uint16).max else np.int32)
 
 
 def numbered(rows: Ints, cols: Ints, n_rows: int, n_cols: int) -> tuple[Ints, Ints, Ints]:
     """The places (row, col) that occur, in compressed rows of ascending columns, and which of them each entry has."""
     order, ends = sorted_by(rows, n_rows, sorted_by(cols, n_cols)[0])
     indptr, indices, slots = np.zeros(n_rows + 1, np.int64), np.empty(len(rows), np.int64), np.empty(len(rows), np.int64)
-    count = _number(cols, order, ends, indptr, indices, slots)
+    count = _number(np.ascontiguousarray(cols), order, ends, indptr, indices, slots)
     return indptr, indices[:count].copy(), slots
 
 
 @kernel
-def _sort(keys: Ints, order: Ints, ends: Ints, out: Ints) -> None:
+def _sort(keys: NDArray[np.integer], order: Ints, ends: Ints, out: Ints) -> None:
     for i in range(len(keys)):
-        ends[keys[i] + 1] += 1
+        ends[number_at(keys, i) + 1] += 1
     for k in range(1, len(ends)):
         ends[k] += ends[k - 1]
     for i in range(len(order)):
-        key = keys[order[i]]
-        out[ends[key]] = order[i]
-        ends[key] += 1
+        entry = number_at(order, i)
+        key = number_at(keys, entry)
+        at = number_at(ends, key)
+        out[at], ends[key] = entry, at + 1
 
 
 @kernel
@@ -98,7 +100,7 @@ def _layer(order: Ints, ends: Ints, parts: Ints, active: Ints, out: Ints) -> Non
 
 
 @kernel
-def _runs(sources: Ints, parts: Ints, starts: Ints, runs: Ints) -> int:
+def _runs(sources: Ints | Unsigned, parts: Ints, starts: Ints, runs: Ints) -> int:
     """The number of runs; they are written where ``runs`` has room."""
     n, part = 0, 0
     for i in range(len(sources)):
@@ -120,46 +122,29 @@ def _runs(sources: Ints, parts: Ints, starts: Ints, runs: Ints) -> int:
     return n
 
 
-@inner
-def _find(table: Floats, n: int, x: float) -> int:
-    """The first of n ascending numbers that is not below x."""
-    low, high = 0, n
-    while low < high:
-        middle = (low + high) // 2
-        if table[middle] < x:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
 @kernel
-def _tabulate(factors: Floats, table: Floats) -> int:
-    """The number of different factors, written to ``table``; -1 when it is too short."""
-    n, at = 0, 0
+def _tabulate(factors: Floats, bits: Marks, places: Ints, table: Floats, codes: NDArray[np.uint16]) -> int:
+    """The number of different factors, written to ``table``; -1 when it is too short.
+
+    Args:
+        factors, bits: the factors, and their bits as numbers, by which they are found.
+        places: workspace four times as long as the table, -1: where a factor is, if it is there, from its place on.
+        table, codes: results.
+    """
+    n, code = 0, 0
     for i in range(len(factors)):
-        x = factors[i]
-        if n and table[at] == x:
-            continue
-        at = _find(table, n, x)
-        if at < n and table[at] == x:
-            continue
-        if n == len(table):
-            return -1
-        for k in range(n, at, -1):
-            table[k] = table[k - 1]
-        table[at] = x
-        n += 1
+        if n == 0 or factors[i] != table[code]:
+            place = int((bits[i] * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(40)) % len(places)
+            while places[place] >= 0 and table[places[place]] != factors[i]:
+                place = (place + 1) % len(places)
+            if places[place] < 0:
+                if n == len(table):
+                    return -1
+                table[n], places[place] = factors[i], n
+                n += 1
+            code = places[place]
+        codes[i] = code
     return n
-
-
-@kernel
-def _encode(factors: Floats, table: Floats, codes: NDArray[np.uint16]) -> None:
-    at = 0
-    for i in range(len(factors)):
-        if table[at] != factors[i]:
-            at = _find(table, len(table), factors[i])
-        codes[i] = at
 
 
 @kernel
@@ -168,15 +153,60 @@ def _number(cols: Ints, order: Ints, ends: Ints, indptr: Ints, indices: Ints, sl
     for row in range(len(indptr) - 1):
         last = -1
         for k in range(at, ends[row]):
-            i = order[k]
-            if cols[i] != last:
-                last = cols[i]
+            i = number_at(order, k)
+            if number_at(cols, i) != last:
+                last = number_at(cols, i)
                 indices[count] = last
                 count += 1
             slots[i] = count - 1
         at = ends[row]
         indptr[row + 1] = count
     return count
+
+
+@kernel
+def count_terms(targets: Ints, lengths: Ints) -> int:
+    """Add up how many terms each sum has; the most."""
+    longest = 0
+    for i in range(len(targets)):
+        lengths[targets[i]] += 1
+        longest = max(longest, int(lengths[targets[i]]))
+    return longest
+
+
+@kernel
+def order_terms(
+    targets: Ints, sources: Ints, factors: Floats, lengths: Ints, begins: Ints,
+    group_ends: Indices, order: Unsigned, ordered_sources: Unsigned, ordered_factors: Floats,
+) -> None:  # fmt: skip
+    """Terms of sums, those of the shortest sums first.
+
+    Args:
+        targets, sources, factors: the sum, the source and the factor of each term.
+        lengths: how many terms each sum has.
+        begins: workspace (n_targets,).
+        group_ends: result: 0, and how many sums have up to 0, 1, 2, ... terms; zeros before.
+        order: result: the sums, ordered.
+        ordered_sources, ordered_factors: results: the terms, ordered.
+    """
+    for target in range(len(lengths)):
+        group_ends[lengths[target] + 1] += 1
+    for length in range(1, len(group_ends)):
+        group_ends[length] += group_ends[length - 1]
+    for target in range(len(lengths)):  # each group is filled from where the one before ends
+        order[group_ends[lengths[target]]] = target
+        group_ends[lengths[target]] += 1
+    for length in range(len(group_ends) - 1, 0, -1):
+        group_ends[length] = group_ends[length - 1]
+    group_ends[0] = 0
+    at = 0
+    for i in range(len(order)):
+        begins[order[i]] = at
+        at += lengths[order[i]]
+    for i in range(len(targets)):
+        at = begins[targets[i]]
+        begins[targets[i]] += 1
+        ordered_sources[at], ordered_factors[at] = sources[i], factors[i]
 
 
 @kernel

@@ -68,6 +68,7 @@ class PlateMesh:
         self.turns: Callable[[Floats], Floats] | None = None
         """Turns of the frames of a small-deformation model in a configuration (n_q,), shape (n_element, 3, 3) or (1, 3, 3)."""
         self._grids: dict[int, Grid] = {}
+        self._located: dict[tuple[float, float], PointRows] = {}
         self.nx, self.ny = counts
         self.lx, self.ly = size[0] / self.nx, size[1] / self.ny
         self.loops = surface.loops
@@ -77,7 +78,7 @@ class PlateMesh:
         per_node = element.vectors_per_node
         self.is_position = np.tile(np.asarray(element.is_position, bool), self.n_nodes)
         self.magnitude = np.tile(element.magnitudes(max(size)), self.n_nodes)
-        i, j = (k.reshape(-1) for k in np.meshgrid(np.arange(self.nx), np.arange(self.ny)))
+        j, i = np.divmod(np.arange(self.nx * self.ny), self.nx)
         self._corner_i, self._corner_j = (np.stack([k + node[d] for node in element.nodes], axis=1) for d, k in enumerate((i, j)))
         self.corners: Ints = self.node(self._corner_i, self._corner_j)
         """Numbers of the nodes of each element, shape (n_element, 4)."""
@@ -146,6 +147,11 @@ class PlateMesh:
 
     def locate(self, at: tuple[float, float]) -> PointRows:
         """Weights of the coordinate vectors at a point (x, y) [m]; weights at rounding level are dropped."""
+        if at not in self._located:
+            self._located[at] = self._locate(at)
+        return self._located[at]
+
+    def _locate(self, at: tuple[float, float]) -> PointRows:
         index, xi, eta = self.find(*at)
         values, d_xi, d_eta = self.element.shape(np.array([xi]), np.array([eta]))[:3, 0]
         scale = self.scale[index, ::3]

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamella.element.base import ELEMENTS
+from lamella.element.plate48.surface import derivatives_at_points
+from lamella.element.plate48.surface_kernels import find_folds
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.surface.base import Surface
@@ -71,20 +73,16 @@ def check_folds(mesh: PlateMesh) -> None:
         DeclarationError: names the place.
     """
     xi, eta, shape = _looked_at(mesh.element.name)
-    vectors = (mesh.reference * mesh.scale).reshape(len(mesh.reference), -1, 3)
-    r, r_xi, r_eta = np.einsum("dps,esc->depc", shape, vectors, optimize=True)
-    normal = np.cross(r_xi, r_eta)
-    area = np.linalg.norm(normal, axis=-1)
-    thin = ~(area > DEGENERATE * np.linalg.norm(r_xi, axis=-1) * np.linalg.norm(r_eta, axis=-1))
-    turned = np.einsum("epc,ec->ep", normal, normal.mean(axis=1)) <= 0.0
+    r, r_xi, r_eta = derivatives_at_points(shape, mesh.reference * mesh.scale).swapaxes(1, 2)
+    thin, turned = find_folds(r_xi, r_eta, DEGENERATE, np.empty((len(xi), 3)))
     for bad, words in (
         (thin, "degenerates: r_x and r_y are parallel, or one of them vanishes"),
         (turned, "folds: its normal turns over"),
     ):
-        if bad.any():
-            element, point = np.argwhere(bad)[0]
-            j, i = divmod(int(element), mesh.nx)
-            at = ", ".join(f"{x:.4g}" for x in r[element, point])
+        if bad >= 0:
+            element, point = divmod(bad, len(xi))
+            j, i = divmod(element, mesh.nx)
+            at = ", ".join(f"{x:.4g}" for x in r[point, element])
             x, y = (i + xi[point]) * mesh.lx, (j + eta[point]) * mesh.ly
             raise DeclarationError(
                 f"'{mesh.name}'",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,7 @@ from lamella.body.rigid_frame import Axes, turned, unit_length_rows
 from lamella.dofs import DotRow, LinearRow, Motion
 from lamella.kinematics import Frame, VectorRows
 from lamella.math.rotation import polar
-from lamella.roles import Floats
+from lamella.roles import Floats, Ints
 
 if TYPE_CHECKING:
     from lamella.dofs import Build
@@ -75,6 +75,16 @@ def rigid_rows(mesh: PlateMesh, first_node: int = 0) -> list[LinearRow | DotRow]
     label = f"plate '{mesh.name}'"
     rows += [DotRow(f"unit length of {name} of {label}", ((0.5, d, d),), 0.5) for name, d in (("r_x", d_1), ("r_y", d_2))]
     return [*rows, DotRow(f"right angle of r_x and r_y of {label}", ((1.0, d_1, d_2),))]
+
+
+def standing(vectors: Ints, values: Floats, labels: Sequence[str], motions: Sequence[Mapping[str, Motion]]) -> list[LinearRow]:
+    """All components of some coordinate vectors (n,) held at their values (n, 3), or moved as functions of time."""
+    coords, one = (3 * vectors[:, None] + np.arange(3)).reshape(-1, 1), np.ones(1)
+    axes = [(f"{axis} of {label}", moves.get(axis)) for label, moves in zip(labels, motions, strict=True) for axis in "xyz"]
+    return [
+        LinearRow(label, coord, one, value, motion)
+        for (label, motion), coord, value in zip(axes, coords, values.reshape(-1).tolist(), strict=True)
+    ]
 
 
 def vanishing(vector: VectorRows, label: str, axes: str = "xyz", motions: Mapping[str, Motion] | None = None) -> list[LinearRow]:

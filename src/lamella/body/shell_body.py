@@ -201,8 +201,9 @@ class ShellBody(MeshedBody):
         mesh.orient(None if self.ply_direction is None else turn @ self.ply_direction, self.prestrain)
         q = mesh.node_vectors() @ turn.T
         q[mesh.is_position] += self.position
-        spin = np.cross(self.angular_velocity, q - np.where(mesh.is_position[:, None], self.position, 0.0))
-        v = spin + np.where(mesh.is_position[:, None], self.velocity, 0.0)
+        v = np.where(mesh.is_position[:, None], self.velocity, 0.0)
+        if any(self.angular_velocity):
+            v += np.cross(self.angular_velocity, q - np.where(mesh.is_position[:, None], self.position, 0.0))
         rest = mesh.corner_vectors(self.stress_free_geometry) @ turn.T
         rest[:, np.tile(mesh.element.is_position, len(mesh.element.nodes))] += self.position
         imperfect = build.imperfect(q)

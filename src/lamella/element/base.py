@@ -70,7 +70,7 @@ class ElementSpec(ABC):
             One factor for each element vector, shape (..., n_shape).
         """
         l_x, l_y = np.asarray(l_x, float), np.asarray(l_y, float)
-        return np.stack([l_x**px * l_y**py for _ in self.nodes for px, py in self._powers()], axis=-1)
+        return np.stack([l_x**px * l_y**py for px, py in self._powers()] * len(self.nodes), axis=-1)
 
     @abstractmethod
     def shape(self, xi: ArrayLike, eta: ArrayLike) -> Floats:

@@ -14,7 +14,7 @@ from lamella.element.base import ElementSpec
 from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets, unpacked
 from lamella.errors import ModelError
 from lamella.lane import WIDTH
-from lamella.roles import Floats, ForceBlock, Ints
+from lamella.roles import Floats, ForceBlock, Ints, TangentTables
 
 Number = TypeVar("Number", bound=np.generic)
 
@@ -86,8 +86,13 @@ class ElementBlock(ForceBlock):
         """Entries of the tangent buffer."""
         return self.n_block * len(self.rows) * WIDTH
 
-    # Lists as long as the tangent buffer are made whenever a pattern asks for them, and not kept: they would take three times
-    # its memory.
+    @property
+    def k_tables(self) -> TangentTables:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Coordinates, factors, and which of them each entry of the tangent buffer couples."""
+        return TangentTables(self._targets, self._scale, self.rows, self.columns, len(self.order))
+
+    # Lists as long as the tangent buffer are made whenever they are asked for, and not kept: they would take three times its
+    # memory.
 
     @property
     def k_rows(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]

@@ -8,14 +8,14 @@ from typing import Literal
 import numpy as np
 
 from lamella.body.plate import Edge
-from lamella.body.plate_frame import vanishing
+from lamella.body.plate_frame import standing, vanishing
 from lamella.dofs import Build, DotRow, Motion
 from lamella.errors import DeclarationError
 from lamella.joint.edge_axes import EdgeAxes, edge_axes
 from lamella.joint.edge_rows import ROUNDING, edge_mean, node_vectors
 from lamella.joint.equations import Rows
 from lamella.joint.motion_sum import MotionSum
-from lamella.joint.rows import carried
+from lamella.joint.rows import carried, is_fixed
 from lamella.kinematics import Frame, VectorRows
 from lamella.roles import Floats
 
@@ -68,7 +68,16 @@ def clamped_rows(
         DeclarationError: an edge that is not straight is to slide along itself.
     """
     mesh, motions, initial = edge.body.compiled(build), motions or {}, build.initial
+    names, nodes = mesh.element.vector_names, mesh.edge_nodes(edge.side)
+
+    def labelled(node: int, name: str) -> str:
+        return f"{name} at node {node} of edge {edge} {where}"
+
     held = _HELD["full" if mesh.strain == "rigid" else kind]
+    if set(held.values()) == {"all"} and is_fixed(frame):
+        numbers = (mesh.vector(0, names[0]) + len(names) * nodes[:, None] + np.arange(len(names))).reshape(-1)
+        labels = [labelled(node, name) for node in nodes.tolist() for name in names]
+        return [*standing(numbers, initial[numbers], labels, [motions if name == "r" else {} for name in names] * len(nodes))]
     roles = dict(zip(mesh.edge_slope(edge.side), ("along", "across"), strict=True))
     axes = {} if set(held.values()) == {"all"} else edge_axes(mesh, edge, initial)
     if held["r"] != "all":
@@ -83,7 +92,7 @@ def clamped_rows(
 
     vectors = node_vectors(mesh, edge)
     for (node, name), vector in vectors.items():
-        position, label = name == "r", f"{name} at node {node} of edge {edge} {where}"
+        position, label = name == "r", labelled(node, name)
         moved = vector - frame.origin if position else vector
         letters = held[roles.get(name, name)]
         if letters == "all":

@@ -65,6 +65,11 @@ def hold_edge(
     return rows
 
 
+def is_fixed(frame: Frame) -> bool:
+    """Whether a frame is fixed in space."""
+    return not any(len(vector.vectors) for vector in (frame.origin, *frame.axes))
+
+
 def carried(initial: Floats, value: Floats, frame: Frame) -> VectorRows:
     """A vector with constant components in a frame that has the given value in the reference configuration."""
     if not any(len(axis.vectors) for axis in frame.axes):  # fixed in space

@@ -76,7 +76,7 @@ class SteadyState:
         r = equations.residual(point)[0]
         point.lam[:] = -(self.P.T @ r)
         identity = sparse.csr_array(sparse.eye_array(model.n_q))
-        self._assembly = MatrixAssembly(model, equations.constraints, identity, model.n_q, symmetric=False)
+        self._assembly = MatrixAssembly(model, equations.constraints, identity, np.arange(model.n_q), symmetric=False)
         self.K, self.D, self.J = self._matrices(point)
         self.M = model.mass
         if model.spin is not None:

@@ -12,7 +12,6 @@ The matrices A, B, D themselves are the usual ones of lamination theory (Jones 1
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -151,22 +150,24 @@ class Laminate:
     @cached_property
     def A(self) -> Floats:
         """Membrane stiffness ``sum Dk (z_k+1 - z_k)`` [N/m], shape (3, 3)."""
-        return _read_only(np.tensordot(self._z_moments(0), self.Dk, 1))
+        return _read_only((self._z_moments(0) @ self.Dk.reshape(-1, 9)).reshape(3, 3))
 
     @cached_property
     def B(self) -> Floats:
         """Coupling stiffness ``sum Dk (z_k+1^2 - z_k^2) / 2`` [N], shape (3, 3)."""
-        return _read_only(np.tensordot(self._z_moments(1), self.Dk, 1))
+        return _read_only((self._z_moments(1) @ self.Dk.reshape(-1, 9)).reshape(3, 3))
 
     @cached_property
     def D(self) -> Floats:
         """Bending stiffness ``sum Dk (z_k+1^3 - z_k^3) / 3`` [N m], shape (3, 3)."""
-        return _read_only(np.tensordot(self._z_moments(2), self.Dk, 1))
+        return _read_only((self._z_moments(2) @ self.Dk.reshape(-1, 9)).reshape(3, 3))
 
     @cached_property
     def stiffness(self) -> Floats:
         """``[[A, -B], [-B, D]]``, the matrix of 2 W for the strain vector (eps, kap), shape (6, 6)."""
-        return _read_only(np.block([[self.A, -self.B], [-self.B, self.D]]))
+        whole = np.empty((6, 6))
+        whole[:3, :3], whole[:3, 3:], whole[3:, :3], whole[3:, 3:] = self.A, -self.B, -self.B, self.D
+        return _read_only(whole)
 
     @cached_property
     def mass_per_area(self) -> float:
@@ -221,7 +222,8 @@ class Laminate:
 
     def _z_moments(self, p: int) -> Floats:
         """``integral z^p dz`` over each ply, shape (n_ply,)."""
-        return np.array([(top ** (p + 1) - bottom ** (p + 1)) / (p + 1) for bottom, top in pairwise(self.z)])
+        powers = self.z ** (p + 1)
+        return (powers[1:] - powers[:-1]) / (p + 1)
 
 
 def thermal_resultants(laminate: Laminate, T_N: Floats | float, T_M: Floats | float) -> tuple[Floats, Floats]:

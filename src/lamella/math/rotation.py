@@ -28,7 +28,7 @@ def matrix_from_vector(vector: Floats) -> Floats:
     """
     given = np.asarray(vector, float)
     if not given.any():  # most bodies are not turned, and need not wait for SciPy's rotations
-        return np.tile(np.eye(3), (*given.shape[:-1], 1, 1))
+        return np.broadcast_to(np.eye(3), (*given.shape[:-1], 3, 3)).copy()
     return _transform().from_rotvec(given).as_matrix()
 
 

@@ -18,6 +18,8 @@ RIGID_MODES = 7
 
 RIGID_ROOT = 1e-3
 """Roots below this share of a low elastic one are those of rigid motions, zero but for rounding."""
+SEARCHED = 1e-12
+"""Tolerance of the roots that are corrected afterwards; one by rounding alone, the default, is not always met."""
 CORRECTIONS = 8
 """Corrections of a root at most; the number of right digits doubles with each."""
 ROUNDING = 1e-11
@@ -121,7 +123,7 @@ def gyroscopic(
     size: Any = linalg.LinearOperator((2 * n_u, 2 * n_u), matvec=operator, dtype=float)  # pyright: ignore[reportCallIssue]
     count = min(2 * (n + RIGID_MODES), 2 * n_u - 2)
     start = operator(operator(np.random.default_rng(0).standard_normal(2 * n_u)))
-    solution: Any = linalg.eigs(size, count, which="LM", v0=start)
+    solution: Any = linalg.eigs(size, count, which="LM", v0=start, tol=SEARCHED)  # pyright: ignore[reportArgumentType]
     inverted, vectors = np.asarray(solution[0], complex), np.asarray(solution[1], complex)
     roots = (shift + 1.0 / inverted) * unit
     upper = np.flatnonzero(roots.imag > -1e-9 * np.abs(roots))

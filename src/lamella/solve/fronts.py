@@ -38,12 +38,10 @@ class Fronts(NamedTuple):
 
 def nodes_of(pattern: Pattern) -> tuple[Lists, Lists]:
     """Groups of coordinates with the same neighbours, in A and in A^T, and the neighbours of each group, itself among them."""
-    starts, cols = np.asarray(pattern.indptr, np.int64), np.asarray(pattern.indices, np.int64)
-    # Equal sums of random numbers of 64 bits, one for each coordinate, are those of equal sets.
-    marks = np.random.default_rng(0).integers(0, 2**64, pattern.n, np.uint64)
-    of_row, of_column = np.zeros_like(marks), np.zeros_like(marks)
-    add_marks(starts, cols, marks, of_row, of_column)
-    sums = of_row + of_column - marks if pattern.symmetric else of_row + np.uint64(3) * of_column
+    starts, cols = (np.ascontiguousarray(part, np.int64) for part in (pattern.indptr, pattern.indices))
+    marks, of_row, of_column = (np.zeros(pattern.n, np.uint64) for _ in range(3))
+    add_marks(starts, cols, pattern.symmetric, marks, of_row, of_column)
+    sums = of_row + (of_column if pattern.symmetric else np.uint64(3) * of_column)
     _, heads, group = np.unique(sums, return_index=True, return_inverse=True)
     n, number = len(heads), np.empty(len(heads), np.int64)
     number[np.argsort(heads)] = np.arange(n)  # in the order of their first coordinates
@@ -62,7 +60,7 @@ def _candidates(graph: Lists) -> list[Ints]:
     near, starts = graph
     n, degree = len(starts) - 1, np.diff(starts)
     dominant = np.where(near == np.repeat(np.arange(n), degree), np.repeat(degree, degree), -1.0)
-    matrix = sparse.csc_array((dominant, near, starts), shape=(n, n))
+    matrix = sparse.csc_array((dominant, near.astype(np.int32), starts.astype(np.int32)), shape=(n, n))
     by_degree = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c
     orders = [np.arange(n), reverse_cuthill_mckee(matrix, symmetric_mode=True), np.argsort(by_degree), by_degree]
     return [np.array(order, np.int64) for order in orders]

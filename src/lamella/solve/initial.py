@@ -91,12 +91,17 @@ def changes(equations: Equations, point: Point, q: Floats, v: Floats) -> Start:
     fastest = max(1.0, float(np.max(np.abs(v[:n]) / model.magnitude[:n])))
     numbers, where = [], []
     for new, old, scale in ((equations.coordinates(point), q, 1.0), (equations.velocities(point), v, fastest)):
-        moved = np.linalg.norm(model.vectors(new - old), axis=1)
+        change = model.vectors(new - old)
+        if not change.any():
+            numbers += [0.0, 0.0]
+            where += ["", ""]
+            continue
+        moved = np.linalg.norm(change, axis=1)
         for chosen in (model.is_position, ~model.is_position):
-            change = np.where(chosen, moved, 0.0)
-            largest = int(np.argmax(change))
-            numbers.append(float(change[largest]))
-            told = np.max(change / size) > ROUNDING * scale
+            sizes = np.where(chosen, moved, 0.0)
+            largest = int(np.argmax(sizes))
+            numbers.append(float(sizes[largest]))
+            told = np.max(sizes / size) > ROUNDING * scale
             where.append(model.describe(3 * largest).removeprefix("x of ") if told else "")
     return Start(*numbers, where=(where[0], where[1], where[2], where[3]), left_out=tuple(equations.notes))
 

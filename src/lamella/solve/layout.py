@@ -8,12 +8,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from lamella.assembly.pattern import Pattern
-from lamella.assembly.pattern_kernels import sorted_by
 from lamella.lane import WIDTH
-from lamella.roles import Floats, Indices, Ints
+from lamella.roles import Bools, Floats, Indices, Ints
 from lamella.solve.fronts import Fronts, fronts_of, nodes_of
 from lamella.solve.lists import Lists
-from lamella.solve.symbolic_kernels import place_entries
+from lamella.solve.symbolic_kernels import count_entries, find_runs, list_entries
 
 
 def _up(n: Ints, multiple: int) -> Ints:
@@ -60,10 +59,8 @@ class FrontLayout:
         position: position of each coordinate in the order of elimination, shape (n,).
         coordinate: coordinate at each position, -1 at padded pivots.
         padded: positions of the padded pivots.
-        slots: place of each entry of the pattern in the panels; those above the diagonal as if mirrored.
-        owner: the front in whose panel each entry stands.
-        above: which entries of the pattern lie above the diagonal in the order of elimination.
-        pivots: place of each pivot in the panels, by position.
+        entries: numbers of the entries, -1 for padded pivots, front after front, their places in the panels, and where those of
+            each front begin.
         diagonal: entries of the pattern on the diagonal.
         diagonal_position: their positions.
         size: entries of all panels, which hold the lower triangle of the factor.
@@ -102,29 +99,18 @@ class FrontLayout:
         coords, starts = nodes.joined(fronts.rest)
         n = np.diff(starts)
         owner, self.rows = np.repeat(np.arange(n_front), n), self.position[coords]
-        self._keys = np.sort(owner * len(self.coordinate) + self.rows)
-        """Ascending numbers of the remaining rows of all fronts."""
-        self.rows = self._keys % len(self.coordinate)
-        self._start = starts[:-1]
+        self.rows = np.sort(owner * len(self.coordinate) + self.rows) % len(self.coordinate)
         p, u_len = self._padded_count, _up(n, WIDTH)
         a_len = _up(p + u_len, WIDTH)
         table[:-1, 2], table[:-1, 3], table[:-1, 4], table[:-1, 5] = a_len, np.cumsum(a_len * p) - a_len * p, n, u_len
-        table[:-1, 7] = self._start
+        table[:-1, 7] = starts[:-1]
         parents = np.full(n_front, -1)
-        parents[n > 0] = self._front_at[self.rows[self._start[n > 0]]]
-        self._set_runs(owner, parents)
+        parents[n > 0] = self._front_at[self.rows[starts[:-1][n > 0]]]
+        runs, firsts = np.empty((len(self.rows), 3), np.int64), np.empty(n_front + 1, np.int64)
+        self.runs = runs[: find_runs(starts, self.rows, table, parents, runs, firsts)].copy()
+        table[:, 8] = firsts
         self.size, self.longest = int((a_len * p).sum()), int(a_len.max())
         self.update_size = self._share_space(parents.tolist(), (u_len**2).tolist())
-
-    def _set_runs(self, owner: Ints, parents: Ints) -> None:
-        """Runs of rows that stay together in the parent: first row, first row there, length; none crosses its pivots' end."""
-        of = parents[owner]
-        place = self._local(of, self.rows)
-        breaks = (np.diff(place) != 1) | (place[1:] == self.fronts[of[1:], 1]) | (np.diff(owner) != 0)
-        starts = np.flatnonzero(np.concatenate([[True], breaks])[: len(place)])
-        lengths = np.diff(np.append(starts, len(place)))
-        self.runs = np.column_stack([starts - self._start[owner[starts]], place[starts], lengths])
-        self.fronts[:, 8] = np.searchsorted(owner[starts], np.arange(len(self.fronts)))
 
     def _share_space(self, parents: list[int], sizes: list[int]) -> int:
         """List the children of each front and give each update its place in the workspace; the size of that."""
@@ -144,34 +130,34 @@ class FrontLayout:
         self.fronts[:-1, 6] = places
         return space.size
 
-    def _local(self, f: Ints, positions: Ints) -> Ints:
-        """Row in front f of each position, shapes (n,)."""
-        first, p = self.fronts[f, 0], self.fronts[f, 1]
-        behind = np.searchsorted(self._keys, f * len(self.coordinate) + positions) - self._start[f]
-        return np.where(positions < first + p, positions - first, p + behind)
-
     def _place_entries(self, pattern: Pattern) -> None:
-        """Slot of each entry of the pattern, and of each pivot, in the panels."""
-        p, q = self.position[pattern.rows], self.position[pattern.indices]
-        column, row = np.minimum(p, q), np.maximum(p, q)
-        self.above, self.owner, self.slots = p < q, self._front_at[column], np.empty_like(p)
-        order, ends = sorted_by(self.owner, len(self.fronts) - 1)
-        self._by_front = Lists(order, np.append(0, ends[:-1]))
-        place_entries(*self._by_front, column, row, self.fronts, self.rows, np.empty_like(self.coordinate), self.slots)
-        first, a_len, a0 = (self.fronts[self._front_at, i] for i in (0, 2, 3))
-        self.pivots = a0 + (np.arange(len(first)) - first) * (a_len + 1)
-        self.diagonal = np.flatnonzero(p == q)
-        self.diagonal_position = p[self.diagonal]
+        """The entries of each front, and where they stand in the panels."""
+        starts, cols = (np.ascontiguousarray(part, np.int64) for part in (pattern.indptr, pattern.indices))
+        walked = starts, cols, self.position, self._front_at, self.coordinate
+        begins, n = np.zeros(len(self.fronts), np.int64), self.n
+        diagonal, position = np.empty(n, np.int64), np.empty(n, np.int64)
+        m = count_entries(*walked, begins, diagonal, position)
+        self.diagonal, self.diagonal_position = diagonal[:m], position[:m]
+        numbers, slots = np.empty(begins[-1], np.int32), np.empty(begins[-1], np.int32)
+        work = begins[:-1].copy(), np.empty_like(self.coordinate), np.empty(begins[-1], np.int64)
+        list_entries(*walked, begins, self.fronts, self.rows, *work, numbers, slots)
+        self.entries: tuple[Indices, Indices, Ints] = numbers, slots, begins
 
     @cached_property
-    def entries(self) -> tuple[Indices, Indices, Ints]:
-        """Numbers of the entries, -1 for padded pivots, front after front, their slots, and where those of each front begin."""
-        order, starts = self._by_front
-        fronts = self._front_at[self.padded]
-        behind = starts[fronts + 1]
-        numbers, slots = np.insert(order, behind, -1), np.insert(self.slots[order], behind, self.pivots[self.padded])
-        starts = starts + np.searchsorted(fronts, np.arange(len(starts)))
-        return numbers.astype(np.int32), slots.astype(np.int32), starts
+    def pivots(self) -> Ints:
+        """Place of each pivot in the panels, by position."""
+        first, a_len, a0 = (self.fronts[self._front_at, i] for i in (0, 2, 3))
+        return a0 + (np.arange(len(first)) - first) * (a_len + 1)
+
+    def by_entry(self, pattern: Pattern) -> tuple[Ints, Ints, Bools]:
+        """Of each entry of the pattern the front in whose panel it stands, its place there as if mirrored where it lies above the
+        diagonal in the order of elimination, and whether it does.
+        """
+        numbers, slots, begins = self.entries
+        own, front = numbers >= 0, np.repeat(np.arange(len(begins) - 1), np.diff(begins))
+        owner, place = np.empty(len(pattern.indices), np.int64), np.empty(len(pattern.indices), np.int64)
+        owner[numbers[own]], place[numbers[own]] = front[own], slots[own]
+        return owner, place, self.position[pattern.rows] < self.position[pattern.indices]
 
     def limits(self, k: Floats, tolerance: float) -> Floats:
         """Magnitude that each pivot must exceed, by position: a fraction of its diagonal entry; 0 at padded ones."""

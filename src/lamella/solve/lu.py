@@ -38,9 +38,10 @@ class MultifrontalLU:
         self.cost, self.size = 2.0 * layout.cost, 2 * layout.size
         self.n, self.position, self.magnitude = len(layout.coordinate), layout.position, np.zeros(len(layout.coordinate))
         # Entries front after front, each with its place in the panels of L, or behind them in those of U^T.
-        part = 2 * layout.owner + (sources < 0)
+        owner, place, above = layout.by_entry(pattern)
+        part = 2 * owner + (sources < 0)
         order, ends = sorted_by(part, 2 * len(layout.fronts) - 2)
-        slots = np.where(layout.above, layout.slots + layout.size, layout.slots)[order]
+        slots = np.where(above, place + layout.size, place)[order]
         numbers = np.where(sources < 0, -1 - sources, sources)[order]
         self._diagonal = sources[layout.diagonal].astype(np.int32)
         self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.uint32), np.append(0, ends[:-1]))

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import inlined, kernel
-from lamella.roles import Floats, Ints
+from lamella.lane import number_at
+from lamella.roles import Floats, Indices, Ints
 
 FRONT_COST = 4000.0
 """Time to set up a front, in multiplications and additions of the dense kernels (some tens of flops a nanosecond)."""
@@ -19,13 +20,32 @@ Marks = NDArray[np.uint64]
 Number = TypeVar("Number", float, Floats)
 
 
+@inlined
+def _mark(i: int) -> np.uint64:
+    """A number of 64 bits for each i, as good as a random one (SplitMix64)."""
+    z = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
+
+
 @kernel
-def add_marks(starts: Ints, cols: Ints, marks: Marks, of_row: Marks, of_column: Marks) -> None:
-    """Add up the marks of the columns in each row and of the rows in each column of a pattern."""
+def add_marks(starts: Ints, cols: Ints, symmetric: bool, marks: Marks, of_row: Marks, of_column: Marks) -> None:
+    """Add up the marks of the columns in each row and of the rows in each column of a pattern.
+
+    Equal sums are those of equal sets. Of a symmetric pattern, of which one triangle is given, places on the diagonal count in
+    ``of_row`` alone.
+    """
     for i in range(len(marks)):
+        marks[i] = _mark(i)
+    for i in range(len(marks)):
+        total = np.uint64(0)
         for k in range(starts[i], starts[i + 1]):
-            of_row[i] += marks[cols[k]]
-            of_column[cols[k]] += marks[i]
+            j = number_at(cols, k)
+            total += number_at(marks, j)
+            if j != i or not symmetric:
+                of_column[j] += marks[i]
+        of_row[i] = total
 
 
 @kernel
@@ -168,24 +188,108 @@ def merge_fronts(
 
 
 @kernel
-def place_entries(
-    entries: Ints, starts: Ints, columns: Ints, rows: Ints, fronts: Ints, rest: Ints, local: Ints, slots: Ints
-) -> None:
-    """Place of entries of a matrix in the panels of their fronts.
+def find_runs(starts: Ints, rows: Ints, fronts: Ints, parents: Ints, runs: Ints, firsts: Ints) -> int:
+    """Runs of remaining rows that stay together in the parent; none crosses the end of its pivots.
 
     Args:
-        entries, starts: entries of each front, shapes (nnz,) and (n_front + 1,).
-        columns, rows: positions of each entry.
-        fronts, rest: fronts and their remaining rows, see :func:`lamella.solve.front_kernels.factorise`.
-        local: workspace, as long as there are positions.
-        slots: result: place of each entry.
+        starts, rows: positions of the remaining rows of each front, ascending.
+        fronts: see :func:`lamella.solve.front_kernels.factorise`.
+        parents: parent of each front, -1 for a root.
+        runs: result: first row, first row in the parent, and length of each.
+        firsts: result: where the runs of each front begin.
+
+    Returns:
+        The number of runs.
     """
-    for f in range(len(starts) - 1):
+    n = 0
+    for f in range(len(parents)):
+        firsts[f] = n
+        if parents[f] < 0:
+            continue
+        first, p, at, last = fronts[parents[f], 0], fronts[parents[f], 1], starts[parents[f]], -2
+        for k in range(starts[f], starts[f + 1]):
+            place = rows[k] - first
+            if place >= p:
+                while rows[at] < rows[k]:
+                    at += 1
+                place = p + at - starts[parents[f]]
+            if place != last + 1 or place == p:
+                runs[n, 0], runs[n, 1], runs[n, 2] = k - starts[f], place, 0
+                n += 1
+            runs[n - 1, 2] += 1
+            last = place
+    firsts[len(parents)] = n
+    return n
+
+
+@kernel
+def count_entries(
+    starts: Ints, cols: Ints, position: Ints, front_at: Ints, coordinate: Ints,
+    begins: Ints, diagonal: Ints, diagonal_position: Ints,
+) -> int:  # fmt: skip
+    """Where the entries of each front begin, those of padded pivots among them, and the entries on the diagonal.
+
+    Args:
+        starts, cols: the pattern in compressed rows.
+        position: position of each coordinate.
+        front_at: the front in which each position is eliminated.
+        coordinate: coordinate at each position, -1 at padded pivots.
+        begins: result, (n_front + 1,), zeros before.
+        diagonal, diagonal_position: results: entries on the diagonal, and their positions.
+
+    Returns:
+        The number of entries on the diagonal.
+    """
+    n = 0
+    for i in range(len(position)):
+        p = position[i]
+        for k in range(starts[i], starts[i + 1]):
+            j = number_at(cols, k)
+            begins[number_at(front_at, min(p, number_at(position, j))) + 1] += 1
+            if j == i:
+                diagonal[n], diagonal_position[n] = k, p
+                n += 1
+    for place in range(len(coordinate)):
+        if coordinate[place] < 0:
+            begins[front_at[place] + 1] += 1
+    for f in range(1, len(begins)):
+        begins[f] += begins[f - 1]
+    return n
+
+
+@kernel
+def list_entries(
+    starts: Ints, cols: Ints, position: Ints, front_at: Ints, coordinate: Ints, begins: Ints,
+    fronts: Ints, rest: Ints, ends: Ints, local: Ints, columns: Ints, numbers: Indices, slots: Indices,
+) -> None:  # fmt: skip
+    """The entries of each front with their places in the panels, padded pivots, of the number -1, behind the others.
+
+    Args:
+        starts, cols, position, front_at, coordinate, begins: see :func:`count_entries`.
+        fronts, rest: fronts and their remaining rows, see :func:`lamella.solve.front_kernels.factorise`.
+        ends: workspace (n_front,), a copy of where each front begins.
+        local: workspace, as long as there are positions.
+        columns: workspace, as long as there are entries.
+        numbers, slots: results: number and place of each entry.
+    """
+    for i in range(len(position)):
+        p = position[i]
+        for k in range(starts[i], starts[i + 1]):
+            q = number_at(position, number_at(cols, k))
+            front = number_at(front_at, min(p, q))
+            at = number_at(ends, front)
+            ends[front] = at + 1
+            numbers[at], columns[at], slots[at] = k, min(p, q), max(p, q)
+    for place in range(len(coordinate)):
+        if coordinate[place] < 0:
+            at = ends[front_at[place]]
+            ends[front_at[place]] += 1
+            numbers[at], columns[at], slots[at] = -1, place, place
+    for f in range(len(begins) - 1):
         first, p, a_len, a0, more = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 7]
         for i in range(p):
             local[first + i] = i
         for i in range(fronts[f, 4]):
             local[rest[more + i]] = p + i
-        for k in range(starts[f], starts[f + 1]):
-            entry = entries[k]
-            slots[entry] = a0 + (columns[entry] - first) * a_len + local[rows[entry]]
+        for at in range(begins[f], begins[f + 1]):
+            slots[at] = a0 + (number_at(columns, at) - first) * a_len + number_at(local, number_at(slots, at))

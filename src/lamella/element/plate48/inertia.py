@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.shape import PLATE48, gauss_points, shape_at_gauss_points
-from lamella.element.plate48.surface import derivatives_at_points, normal_and_area
+from lamella.element.plate48.surface import areas_of, derivatives_at_points
 from lamella.errors import ModelError
 from lamella.roles import Floats, InertiaBlock, Ints
 
@@ -28,7 +28,7 @@ class ShellInertia(InertiaBlock):
         element: the finite element.
 
     Raises:
-        ModelError: the mass per area is not positive, or the reference surface has no area.
+        ModelError: the mass per area is not positive; or, when the mass is asked for, the reference surface has no area.
     """
 
     def __init__(
@@ -45,21 +45,31 @@ class ShellInertia(InertiaBlock):
         density = np.broadcast_to(np.asarray(mass_per_area, float), (len(coords),))
         if not np.all(density > 0):
             raise ModelError(f"{name}: mass per area is {density.min():g} kg/m^2; accepted is a positive number")
-        weights = gauss_points(n_gauss)[2]
-        self._shape = shape = shape_at_gauss_points(element, n_gauss)
-        rest = np.asarray(reference, float) * scale
-        _, area = normal_and_area(name, derivatives_at_points(shape[:3], rest))
-        self._weights = density[:, None] * weights * area
-        self._factors = np.asarray(scale, float)[:, ::3]
+        self._density, self._n_gauss, self._element = density, n_gauss, element
+        self._rest, self._factors = np.asarray(reference, float) * scale, np.asarray(scale, float)[:, ::3]
         self._vectors = np.asarray(coords, np.int64)[:, ::3] // 3
 
     @cached_property
     def _values(self) -> Floats:
-        matrices = np.einsum("eg,gi,gj->eij", self._weights, self._shape[0], self._shape[0], optimize=True)
+        shape = shape_at_gauss_points(self._element, self._n_gauss)
+        area = areas_of(self.name, derivatives_at_points(shape[:3], self._rest))
+        weights = self._density[:, None] * gauss_points(self._n_gauss)[2] * area
+        products = (shape[0][:, :, None] * shape[0][:, None, :]).reshape(len(shape[0]), -1)
+        matrices = (weights @ products).reshape(len(weights), *[shape.shape[-1]] * 2)
         return matrices * self._factors[:, :, None] * self._factors[:, None, :]
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
         """Vectors and masses of all entries."""
-        i = np.broadcast_to(self._vectors[:, :, None], self._values.shape)
-        j = np.broadcast_to(self._vectors[:, None, :], self._values.shape)
+        n = self._vectors.shape[1]
+        i, j = np.repeat(self._vectors, n, axis=1), np.tile(self._vectors, n)
         return i.reshape(-1), j.reshape(-1), self._values.reshape(-1)
+
+    def pairs(self) -> tuple[Ints, Ints]:
+        """Vectors of all entries, each pair of an element once."""
+        i, j = _pairs(self._vectors.shape[1])
+        return self._vectors[:, i].reshape(-1), self._vectors[:, j].reshape(-1)
+
+
+@cache
+def _pairs(n: int) -> tuple[Ints, Ints]:
+    return np.triu_indices(n)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import get_args
 
 import numpy as np
 
 from lamella.element.block import ElementBlock, Range
-from lamella.element.packing import packed
 from lamella.element.plate48.section import Curvature, Section
 from lamella.element.plate48.shape import PLATE48, gauss_points, hermite_table, product_order, shape_at_gauss_points
 from lamella.element.plate48.strain import Cubed
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
+from lamella.element.plate48.surface_kernels import N_SECTION, pack_sections
 from lamella.errors import ModelError
+from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
 
-UPPER = np.triu_indices(6)
 KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
 
 
@@ -63,18 +64,36 @@ class GaussTables:
     """
 
     def __init__(self, block: Plate48Block, section: Section, n_gauss: int) -> None:
-        weights = gauss_points(n_gauss)[2]
         at_points = derivatives_at_points(shape_at_gauss_points(PLATE48, n_gauss), block.rest)
-        surface = reference_surface(block.name, at_points, section.direction)
+        self._surface = surface = reference_surface(block.name, at_points, section.direction)
         self.cubed: Cubed = section.cubed
-        self.transform = surface.strain_transform(self.cubed)
-        factor = (weights * surface.area)[..., None, None]
-        self.stiffness = self.transform.swapaxes(-1, -2) @ section.by_element @ self.transform * factor
+        self._section, self._factor = section, gauss_points(n_gauss)[2] * surface.area
         constants = surface.constants(self.cubed)
         if section.prestrain is not None:  # the strains of the kernels are counted from a reference that is shorter by it
             constants[..., :3] -= np.linalg.solve(surface.transform, section.prestrain[:, None])[..., 0]
-        self.sections = packed(np.concatenate([self.stiffness[..., *UPPER], constants], axis=-1))
+        self.sections = aligned(block.n_block * WIDTH * constants[0].size // 6 * N_SECTION)
+        bending = np.ones_like(surface.area) if self.cubed is None else surface.area**2
+        pack_sections(
+            surface.transform,
+            section.stiffness.reshape(-1, 6, 6),
+            self._factor,
+            bending,
+            constants,
+            np.empty((3, 3)),
+            self.sections,
+        )
         self.table, self.n = hermite_table(n_gauss), n_gauss
+
+    @cached_property
+    def transform(self) -> Floats:
+        """From the kernels' strains to those of the section, shape (n_element, n_point, 6, 6)."""
+        return self._surface.strain_transform(self.cubed)
+
+    @property
+    def stiffness(self) -> Floats:
+        """Stiffness for the kernels' strains, times weight and area, shape (n_element, n_point, 6, 6)."""
+        T = self.transform
+        return T.swapaxes(-1, -2) @ self._section.by_element @ T * self._factor[..., None, None]
 
 
 def gauss_tables(block: Plate48Block, section: Section | Floats, n_gauss: int) -> list[GaussTables]:
@@ -93,7 +112,8 @@ def gauss_tables(block: Plate48Block, section: Section | Floats, n_gauss: int) -
     stiffness, fewer = section.stiffness, section.membrane_gauss
     if stiffness.shape not in ((6, 6), (block.n_element, 6, 6)):
         raise ModelError(f"{name}: stiffness has shape {stiffness.shape}; accepted is (6, 6) or ({block.n_element}, 6, 6)")
-    if not np.allclose(stiffness, stiffness.swapaxes(-1, -2), rtol=1e-9, atol=1e-12 * np.abs(stiffness).max()):
+    size = np.abs(stiffness)
+    if not np.all(np.abs(stiffness - stiffness.swapaxes(-1, -2)) <= 1e-9 * size + 1e-12 * size.max()):
         raise ModelError(f"{name}: the section stiffness is not symmetric")
     if section.curvature not in get_args(Curvature):
         raise ModelError(f"{name}: curvature = '{section.curvature}'; accepted is {' or '.join(get_args(Curvature))}")

@@ -48,6 +48,7 @@ def _factors() -> tuple[Ints, Ints]:
 PLATE48 = Plate48()
 
 
+@cache
 def gauss_points(n: int) -> tuple[Floats, Floats, Floats]:
     """Points and weights of the n x n Gauss rule on the unit square, xi fastest.
 
@@ -55,7 +56,10 @@ def gauss_points(n: int) -> tuple[Floats, Floats, Floats]:
         xi, eta and weights, shapes (n n,).
     """
     points, weights = gauss_rule(n)
-    return np.tile(points, n), np.repeat(points, n), (weights[:, None] * weights[None, :]).reshape(-1)
+    found = np.tile(points, n), np.repeat(points, n), (weights[:, None] * weights[None, :]).reshape(-1)
+    for array in found:
+        array.flags.writeable = False  # all who ask share them
+    return found
 
 
 @cache
@@ -68,12 +72,20 @@ def shape_at_gauss_points(element: ElementSpec, n: int) -> Floats:
 
 def hermite_table(n: int) -> Floats:
     """Cubic Hermite polynomials at the n Gauss points for the kernels: (point, derivative, function), flat."""
+    return _hermite(n).copy()
+
+
+@cache
+def _hermite(n: int) -> Floats:
     return np.ascontiguousarray(np.moveaxis(cubic_hermite(gauss_rule(n)[0]), -1, 0)).reshape(-1)
 
 
+@cache
 def product_order() -> Ints:
     """Place in element order of the coordinate (a, b, component) of the kernels, shape (48,)."""
     a, b = _factors()
     vector = np.empty(16, np.int64)
     vector[4 * a + b] = np.arange(16)
-    return (3 * vector[:, None] + np.arange(3)).reshape(-1)
+    found = (3 * vector[:, None] + np.arange(3)).reshape(-1)
+    found.flags.writeable = False  # all who ask share it
+    return found

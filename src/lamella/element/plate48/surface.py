@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamella.element.plate48 import surface_kernels
 from lamella.element.plate48.strain import Cubed
 from lamella.errors import ModelError
 from lamella.roles import Floats
@@ -73,8 +74,9 @@ def derivatives_at_points(shape: Floats, coordinates: Floats) -> Floats:
     Returns:
         Shape (6, n_element, n, 3).
     """
-    vectors = coordinates.reshape(len(coordinates), -1, 3)
-    return np.einsum("dgs,esc->degc", shape, vectors, optimize=True)
+    n, n_shape = shape.shape[1:]
+    vectors = coordinates.reshape(-1, n_shape, 3).swapaxes(0, 1).reshape(n_shape, -1)
+    return (shape.reshape(-1, n_shape) @ vectors).reshape(-1, n, len(coordinates), 3).swapaxes(1, 2)
 
 
 def reference_surface(item: str, derivatives: Floats, direction: Floats | None = None) -> ReferenceSurface:
@@ -88,31 +90,40 @@ def reference_surface(item: str, derivatives: Floats, direction: Floats | None =
     Raises:
         ModelError: the reference surface has no normal at a point of an element, or the direction is normal to it there.
     """
-    r_x, r_y, r_xx, r_xy, r_yy = derivatives[1:]
-    normal, area = normal_and_area(item, derivatives)
-    n0 = normal / area[..., None]
-    first = np.stack([(r_x * r_x).sum(-1), (r_y * r_y).sum(-1), (r_x * r_y).sum(-1)], axis=-1)
-    second = np.stack([(r_xx * n0).sum(-1), (r_yy * n0).sum(-1), (r_xy * n0).sum(-1)], axis=-1)
+    points, front = _listed(derivatives), derivatives.shape[1:-1]
+    area, first, second = np.empty(points.shape[1]), np.empty(points.shape[1:]), np.empty(points.shape[1:])
+    surface_kernels.measure(points, area, first, second)
+    _refuse_degenerate(item, area, front)
+    area, first, second = area.reshape(front), first.reshape(*front, 3), second.reshape(*front, 3)
     axis = (1.0, 0.0) if direction is None else _projected(item, direction, derivatives, first, area)
     return ReferenceSurface(area, first, second, _strain_transform(first, area, *axis))
 
 
-def normal_and_area(item: str, derivatives: Floats) -> tuple[Floats, Floats]:
-    """R_xi x R_eta and its length, the area for a unit of xi eta; arguments as those of :func:`reference_surface`.
+def areas_of(item: str, derivatives: Floats) -> Floats:
+    """|R_xi x R_eta|, the area for a unit of xi eta; arguments as those of :func:`reference_surface`.
 
     Raises:
         ModelError: the reference surface has no normal at a point of an element.
     """
-    r_x, r_y = derivatives[1:3]
-    normal = np.cross(r_x, r_y)
-    area = np.linalg.norm(normal, axis=-1)
-    lengths = np.linalg.norm(r_x, axis=-1) * np.linalg.norm(r_y, axis=-1)
-    bad = np.argwhere(~(area > 1e-6 * lengths))
-    if len(bad):
+    points, front = _listed(derivatives[1:3]), derivatives.shape[1:-1]
+    area = np.empty(points.shape[1])
+    surface_kernels.areas(points, area)
+    _refuse_degenerate(item, area, front)
+    return area.reshape(front)
+
+
+def _listed(derivatives: Floats) -> Floats:
+    """Derivatives with their points in one row, shape (n_derivative, n_point, 3)."""
+    return np.ascontiguousarray(derivatives).reshape(len(derivatives), -1, 3)
+
+
+def _refuse_degenerate(item: str, area: Floats, front: tuple[int, ...]) -> None:
+    """Refuse a point without area, which the kernels mark by a number below 0."""
+    if area.min(initial=0.0) < 0.0:
+        element = int(np.argmax(area < 0.0)) // int(np.prod(front[1:]))
         raise ModelError(
-            f"{item}: element {bad[0, 0]} has no area in the reference configuration; r_x and r_y must not be parallel"
+            f"{item}: element {element} has no area in the reference configuration; r_x and r_y must not be parallel"
         )
-    return normal, area
 
 
 def _projected(item: str, direction: Floats, derivatives: Floats, first: Floats, area: Floats) -> tuple[Floats, Floats]:
@@ -136,9 +147,7 @@ def _strain_transform(first: Floats, area: Floats, alpha: Floats | float, beta: 
 
     e_2 = n0 x e_1, and n0 x r_x = J0 G^2, n0 x r_y = -J0 G^1 with the area element J0.
     """
-    A11, A22, A12 = np.moveaxis(first, -1, 0)
-    along_x, along_y = alpha * A11 + beta * A12, alpha * A12 + beta * A22
-    length = np.sqrt(alpha * along_x + beta * along_y)
-    a, b, c, d = alpha / length, beta / length, -along_y / (area * length), along_x / (area * length)
-    rows = [[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    transform, every = np.empty((area.size, 3, 3)), np.empty((2, *area.shape))
+    every[0], every[1] = alpha, beta
+    surface_kernels.strain_transforms(first.reshape(-1, 3), area.reshape(-1), every.reshape(2, -1), transform)
+    return transform.reshape(*area.shape, 3, 3)
