@@ -18,7 +18,7 @@ from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
 from lamella.assembly.point import Point, Weights
-from lamella.assembly.units import Followed, Listed, Pairs, Placed, Places, Table, pairs_of, pairs_of_mass, units_of
+from lamella.assembly.vector_groups import Followed, Listed, Pairs, Placed, Places, Table, pairs_of, pairs_of_mass, groups_of
 from lamella.inertia import of_components
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, Symmetry
@@ -56,9 +56,9 @@ class MatrixAssembly:
         self.buffer = np.zeros(ends[-1])
         self.parts = [self.buffer[first:end] for first, end in pairwise(ends)]
         vectors = [one.vectors for one in lists if isinstance(one, Table)]
-        first, unit_of = units_of(independent, np.concatenate([np.zeros(0, np.int64), *vectors]))
-        pairs = [*(one.pairs(unit_of) for one in lists), *self._pairs_of_mass(followed, unit_of)]
-        self._places = places = Places(pairs, first, unit_of, symmetric)
+        first, group_of = groups_of(independent, np.concatenate([np.zeros(0, np.int64), *vectors]))
+        pairs = [*(one.pairs(group_of) for one in lists), *self._pairs_of_mass(followed, group_of)]
+        self._places = places = Places(pairs, first, group_of, symmetric)
         self._values = np.zeros(len(places.indices))
         self._sum_setup(blocks, [one.placed(places) for one in lists], ends)
         n_u = len(independent)
@@ -66,14 +66,14 @@ class MatrixAssembly:
             n_u, places.indptr, places.indices, symmetric, constraints.n_lam, *self._jacobian_setup(model, T, n_u)
         )
 
-    def _pairs_of_mass(self, followed: Followed, unit_of: Ints) -> list[Pairs]:
-        """The pairs of units that inertia couples; its values are not asked for yet."""
+    def _pairs_of_mass(self, followed: Followed, group_of: Ints) -> list[Pairs]:
+        """The pairs of groups that inertia couples; its values are not asked for yet."""
         found = []
         for i, j in (block.pairs() for block in self.model.inertias):
-            pairs, several = pairs_of_mass(i, j, followed, unit_of)
+            pairs, several = pairs_of_mass(i, j, followed, group_of)
             found.append(pairs)
             if len(several):
-                found.append(pairs_of(self._entries_of_mass(i[several], j[several], np.ones(len(several))), unit_of))
+                found.append(pairs_of(self._entries_of_mass(i[several], j[several], np.ones(len(several))), group_of))
         return found if self._symmetric else [*found, *((second, first) for first, second in found)]
 
     def _entries_of_mass(self, i: Ints, j: Ints, m: Floats) -> Entries:

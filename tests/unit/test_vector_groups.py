@@ -1,4 +1,4 @@
-"""Places of contributions found by units of coordinates are those of the dense matrix."""
+"""Places of contributions found by groups of coordinates are those of the dense matrix."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.expand import expand_matrix
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.point import STATIC, Weights
-from lamella.assembly.units import Followed, Listed, Places, Table, units_of
+from lamella.assembly.vector_groups import Followed, Listed, Places, Table, groups_of
 from lamella.element.packing import packed, packed_targets
 from lamella.lane import WIDTH
 from lamella.roles import TangentTables
@@ -51,11 +51,11 @@ def test_entries_of_a_table_are_those_of_its_lists():
     followed, buffer = Followed(T), np.random.default_rng(1).standard_normal(len(tables.coords) // N * len(ROWS))
     by_table, listed = Table(tables, followed), Listed(expand_matrix(*lists(tables), "symmetric", True, T))
     assert by_table.suits
-    first, unit_of = units_of(independent, by_table.vectors)
+    first, group_of = groups_of(independent, by_table.vectors)
     assert len(first) == 6  # five vectors, of which two have two coordinates left
     made = []
     for one in (by_table, listed):
-        places = Places([one.pairs(unit_of)], first, unit_of, symmetric=True)
+        places = Places([one.pairs(group_of)], first, group_of, symmetric=True)
         found = one.placed(places)
         values = np.bincount(found.slots, found.factors * buffer[found.sources], minlength=len(places.indices))
         made.append(sparse.csr_array((values, places.indices, places.indptr), shape=(len(independent),) * 2).toarray())
@@ -76,9 +76,9 @@ def test_a_table_does_not_suit_coordinates_that_follow_several():
 
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_units_couple_whole_and_places_count_on(symmetric: bool):
-    first, unit_of = units_of(np.array([0, 1, 2, 4, 5, 9, 10, 12]), np.array([0, 1]))
+    first, group_of = groups_of(np.array([0, 1, 2, 4, 5, 9, 10, 12]), np.array([0, 1]))
     np.testing.assert_array_equal(first, [0, 3, 5, 6, 7, 8])  # two vectors, and the coordinates of two others one by one
-    places = Places([(np.array([1, 4, 2]), np.array([0, 1, 2]))], first, unit_of, symmetric)
+    places = Places([(np.array([1, 4, 2]), np.array([0, 1, 2]))], first, group_of, symmetric)
     expected = np.zeros((8, 8), bool)
     for a, b in ((1, 0), (4, 1), *((k, k) for k in range(5))):
         expected[first[a] : first[a + 1], first[b] : first[b + 1]] = True

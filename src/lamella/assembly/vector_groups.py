@@ -1,7 +1,7 @@
-"""Where contributions stand in a matrix, found for units of coordinates in place of single ones.
+"""Where contributions stand in a matrix, found for groups of coordinates in place of single ones.
 
-A unit holds the independent coordinates of one vector of finite elements, which stand side by side and couple with the same
-others. A pattern of pairs of units has up to a ninth of the places, and gives the place of an entry by counting.
+A group holds the independent coordinates of one vector of finite elements, which stand side by side and couple with the same
+others (a supervariable of sparse solvers). A pattern of pairs of groups has up to a ninth of the places, and gives the place of an entry by counting.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from lamella.assembly import unit_kernels
+from lamella.assembly import vector_group_kernels as kernels
 from lamella.assembly.expand import Entries
 from lamella.assembly.pattern_kernels import numbered
 from lamella.lane import WIDTH
@@ -77,14 +77,14 @@ class Table:
         """Vectors of the elements."""
         return self._tables.coords[self._tables.coords >= 0] // 3
 
-    def pairs(self, unit_of: Ints) -> Pairs:
-        """All pairs of units that an element couples."""
+    def pairs(self, group_of: Ints) -> Pairs:
+        """All pairs of groups that an element couples."""
         n = self._tables.n
         self._local, self._members = np.empty_like(self._u), np.empty_like(self._u)
         self._counts = np.empty(len(self._u) // n, np.int64)
-        total = unit_kernels.find_members(self._u, unit_of, n, self._local, self._members, self._counts)
+        total = kernels.find_members(self._u, group_of, n, self._local, self._members, self._counts)
         first, second = np.empty(total, np.int64), np.empty(total, np.int64)
-        unit_kernels.list_pairs(self._members, self._counts, n, first, second)
+        kernels.list_pairs(self._members, self._counts, n, first, second)
         return first, second
 
     def placed(self, places: Places) -> Placed:
@@ -92,9 +92,9 @@ class Table:
         tables = self._tables
         n_k, most = len(self._u) // tables.n * len(tables.rows), int(self._counts.max(initial=0))
         slots, sources, factors = np.empty(n_k, np.uint32), np.empty(n_k, np.uint32), np.empty(n_k)
-        n = unit_kernels.place_tables(
+        n = kernels.place_tables(
             self._u, self._factors, tables.rows, tables.columns, tables.n, self._local, self._members, self._counts,
-            places.starts, places.units, places.lead, places.shift, most, np.empty(WIDTH * most * most, np.int64),
+            places.starts, places.groups, places.lead, places.shift, most, np.empty(WIDTH * most * most, np.int64),
             slots, sources, factors,
         )  # fmt: skip
         return Placed(slots[:n], sources[:n], factors[:n])
@@ -110,9 +110,9 @@ class Listed:
     def __init__(self, entries: Entries) -> None:
         self._entries = entries
 
-    def pairs(self, unit_of: Ints) -> Pairs:
-        """The pairs of their units."""
-        return pairs_of(self._entries, unit_of)
+    def pairs(self, group_of: Ints) -> Pairs:
+        """The pairs of their groups."""
+        return pairs_of(self._entries, group_of)
 
     def placed(self, places: Places) -> Placed:
         """The places of the entries."""
@@ -121,48 +121,48 @@ class Listed:
 
 
 class Places:
-    """The places of a matrix whose pairs of units are known, in compressed rows.
+    """The places of a matrix whose pairs of groups are known, in compressed rows.
 
     Args:
-        pairs: pairs of units that couple; each couples with itself as well.
-        first: first coordinate of each unit, and the number of all.
-        unit_of: unit of each coordinate.
+        pairs: pairs of groups that couple; each couples with itself as well.
+        first: first coordinate of each group, and the number of all.
+        group_of: group of each coordinate.
         symmetric: list the upper triangle only.
 
     Attributes:
         indptr, indices: the places.
     """
 
-    def __init__(self, pairs: Sequence[Pairs], first: Ints, unit_of: Ints, symmetric: bool) -> None:
+    def __init__(self, pairs: Sequence[Pairs], first: Ints, group_of: Ints, symmetric: bool) -> None:
         n, own = len(first) - 1, np.arange(len(first) - 1)
         rows, cols = (np.concatenate([own, *part]) for part in zip(EMPTY, *pairs, strict=True))
         if symmetric:
             rows, cols = np.minimum(rows, cols), np.maximum(rows, cols)
-        self.starts, self.units, _ = numbered(rows, cols, n, n)
-        self.unit_of, self._symmetric = unit_of, symmetric
+        self.starts, self.groups, _ = numbered(rows, cols, n, n)
+        self.group_of, self._symmetric = group_of, symmetric
         self.shift, self.indptr, self.lead = (
-            np.empty_like(self.units),
-            np.zeros(len(unit_of) + 1, np.int64),
-            np.empty_like(unit_of),
+            np.empty_like(self.groups),
+            np.zeros(len(group_of) + 1, np.int64),
+            np.empty_like(group_of),
         )
-        unit_kernels.count_places(self.starts, self.units, first, symmetric, self.shift, self.lead, self.indptr)
+        kernels.count_places(self.starts, self.groups, first, symmetric, self.shift, self.lead, self.indptr)
         self.indices = np.empty(self.indptr[-1], np.int64)
-        unit_kernels.list_places(self.starts, self.units, first, symmetric, self.indices)
+        kernels.list_places(self.starts, self.groups, first, symmetric, self.indices)
 
     def of(self, entries: Entries) -> Ints:
         """Place of each entry, those below the diagonal of a symmetric matrix as if mirrored."""
         slots = np.empty(len(entries.rows), np.int64)
-        unit_kernels.find_places(
-            entries.rows, entries.cols, self._symmetric, self.unit_of, self.starts, self.units, self.lead, self.shift, slots
+        kernels.find_places(
+            entries.rows, entries.cols, self._symmetric, self.group_of, self.starts, self.groups, self.lead, self.shift, slots
         )
         return slots
 
 
-def units_of(independent: Ints, vectors: Ints) -> tuple[Ints, Ints]:
-    """Units of the independent coordinates: those of one of the ``vectors`` together, all others alone.
+def groups_of(independent: Ints, vectors: Ints) -> tuple[Ints, Ints]:
+    """Groups of the independent coordinates: those of one of the ``vectors`` together, all others alone.
 
     Returns:
-        First coordinate of each unit and their number, and the unit of each coordinate.
+        First coordinate of each group and their number, and the group of each coordinate.
     """
     whole = np.zeros(max(int(independent[-1]) // 3, int(vectors.max(initial=0))) + 1 if len(independent) else 1, bool)
     whole[vectors] = True
@@ -172,16 +172,16 @@ def units_of(independent: Ints, vectors: Ints) -> tuple[Ints, Ints]:
     return np.append(np.flatnonzero(begins), len(vector)), np.cumsum(begins) - 1
 
 
-def pairs_of(entries: Entries, unit_of: Ints) -> Pairs:
-    """The pairs of units of some entries, without those that repeat the one before."""
+def pairs_of(entries: Entries, group_of: Ints) -> Pairs:
+    """The pairs of groups of some entries, without those that repeat the one before."""
     first, second = np.empty(len(entries.rows), np.int64), np.empty(len(entries.rows), np.int64)
-    n = unit_kernels.list_pairs_of(entries.rows, entries.cols, unit_of, first, second)
+    n = kernels.list_pairs_of(entries.rows, entries.cols, group_of, first, second)
     return first[:n], second[:n]
 
 
-def pairs_of_mass(i: Ints, j: Ints, followed: Followed, unit_of: Ints) -> tuple[Pairs, Ints]:
-    """The pairs of units that pairs of vectors couple component by component, and which have coordinates that follow several."""
+def pairs_of_mass(i: Ints, j: Ints, followed: Followed, group_of: Ints) -> tuple[Pairs, Ints]:
+    """The pairs of groups that pairs of vectors couple component by component, and which have coordinates that follow several."""
     first, second, others = np.empty(3 * len(i), np.int64), np.empty(3 * len(i), np.int64), np.empty(len(i), np.int64)
     i, j = np.ascontiguousarray(i), np.ascontiguousarray(j)
-    n, m = unit_kernels.list_pairs_of_mass(i, j, followed.one, unit_of, first, second, others)
+    n, m = kernels.list_pairs_of_mass(i, j, followed.one, group_of, first, second, others)
     return (first[:n], second[:n]), others[:m]
