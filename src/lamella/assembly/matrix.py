@@ -18,7 +18,7 @@ from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
 from lamella.assembly.point import Point, Weights
-from lamella.assembly.vector_groups import Followed, Listed, Pairs, Placed, Places, Table, pairs_of, pairs_of_mass, groups_of
+from lamella.assembly.vector_groups import Followed, Listed, Pairs, Placed, Places, Table, groups_of, pairs_of, pairs_of_mass
 from lamella.inertia import of_components
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, Symmetry

@@ -1,7 +1,8 @@
 """Where contributions stand in a matrix, found for groups of coordinates in place of single ones.
 
-A group holds the independent coordinates of one vector of finite elements, which stand side by side and couple with the same
-others (a supervariable of sparse solvers). A pattern of pairs of groups has up to a ninth of the places, and gives the place of an entry by counting.
+A group (a supervariable of sparse solvers) holds the independent coordinates of one vector of finite elements, which stand side
+by side and couple with the same others. A pattern of pairs of groups has up to a ninth of the places, and gives the place of an
+entry by counting.
 """
 
 from __future__ import annotations
