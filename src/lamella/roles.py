@@ -35,8 +35,8 @@ Indices = NDArray[np.int32]
 """Places in long arrays, kept short because reading them takes as long as what is done there."""
 
 Symmetry = Literal["symmetric", "nearly", "none"]
-"""Tangent of a block: ``symmetric`` (derivative of an energy; the block lists its upper triangle only), ``nearly`` (all
-entries listed; Newton may use the symmetric part) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
+"""Tangent of a block: ``symmetric`` (the block lists its upper triangle only), ``nearly`` (all entries listed; Newton may use a
+symmetric matrix instead) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
 
 
 class Declaration(ABC):
@@ -123,6 +123,13 @@ class ForceBlock(Memory, ABC):
         """Whether its force is the same for all states at one time, so that it is evaluated once for each time."""
         return not len(self.k_rows) and not self.depends_on_velocity
 
+    @property
+    def split(self) -> SplitForceBlock | None:
+        """The same force with its nearly symmetric tangent in two parts, which serves in symmetric matrices; None where the
+        symmetric part of the entries does.
+        """
+        return None
+
     def settle(self, t: float, q: Floats) -> None:
         """Take note of an accepted configuration (rule 7)."""
 
@@ -132,6 +139,18 @@ class ForceBlock(Memory, ABC):
     def settled_heat(self) -> float:
         """Energy that changes of discrete state have turned into heat since the start of a run [J] (rule 7)."""
         return 0.0
+
+
+class SplitForceBlock(ForceBlock):
+    """A force whose tangent is a symmetric matrix S and a small rest R.
+
+    1. ``symmetry`` is ``symmetric``, and ``force_tangent`` writes S alone.
+    2. ``rest_product`` overwrites the force buffer with R x.
+    """
+
+    @abstractmethod
+    def rest_product(self, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
+        """Write R x to the force buffer ``f`` (n_f,), for a change x of the coordinates (n_q,)."""
 
 
 class InertiaBlock(ABC):

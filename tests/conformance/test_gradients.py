@@ -307,14 +307,14 @@ def test_runs_of_equations_are_those_of_their_model() -> None:
     np.testing.assert_array_equal(moved, fresh)
 
 
-def test_skew_part_is_what_the_symmetric_matrix_leaves_out() -> None:
+def test_rest_is_what_the_symmetric_matrix_leaves_out() -> None:
     run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
     weights = Weights(1.0, 1e3, 1e6)
     near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
     point = near.point_of(run.final, run.final.t)
     x = np.cos(np.arange(near.n_u))
     whole, part = (e.matrix.pattern.matrix(e.exact_matrix(point, weights)[0].copy()) @ x for e in (exact, near))
-    left_out = near.skew_part()(x)
+    left_out = near.rest(point, weights)(x)
     assert np.abs(left_out).max() > 1e-6 * np.abs(whole).max()  # dampers that move
     np.testing.assert_allclose(part + left_out, whole, atol=1e-12 * np.abs(whole).max())  # sums in another order
 

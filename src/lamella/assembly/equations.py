@@ -9,13 +9,13 @@ from scipy import sparse
 
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
-from lamella.assembly.forces import ForceSum
+from lamella.assembly.forces import ForceSum, for_matrix
 from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
-from lamella.assembly.product import SkewProduct
+from lamella.assembly.product import RestProduct
 from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
@@ -31,8 +31,8 @@ class Equations:
 
     Args:
         model: the compiled model.
-        symmetric: store the upper triangle only; by default when every block allows it. The symmetric part of a ``nearly``
-            symmetric block is then used by Newton; ``symmetric=False`` gives the exact matrix.
+        symmetric: store the upper triangle only; by default when every block allows it. Newton then uses the symmetric part of
+            a ``nearly`` symmetric block, or what comes near to it; ``symmetric=False`` gives the exact matrix.
         like: the equations of a model that differs by little, whose unknowns are to be those of this one as well: the same
             independent coordinates, and multipliers of the same rows.
     """
@@ -46,7 +46,10 @@ class Equations:
         """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
         known = like if like is not None and T is like.elimination.T else None
-        self.forces = ForceSum(model.forces, model.n_q, T, None if known is None else known.forces)
+        blocks = (*model.forces, *model.loads)
+        self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
+        forces = for_matrix(model.forces, self.symmetric)
+        self.forces = ForceSum(forces, model.n_q, T, None if known is None else known.forces)
         self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
         self.mass = Mass(model, T, None if known is None else known.mass)
         self.constraints = ConstraintStack(model.constraints)
@@ -54,9 +57,7 @@ class Equations:
         """What the user should know about the equations."""
         self.redundant: list[Redundancy] = []
         """Rows with multipliers that are left out and must be watched."""
-        blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
-        self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
         self.expand = known.expand if known else SumOperator.of(T)
         self._gather = known._gather if known else self.expand.transposed(self.n_u)
         self._fixed = self.elimination.particular(self.elimination.constant)
@@ -196,17 +197,17 @@ class Equations:
 
     @property
     def is_exact(self) -> bool:
-        """Whether :meth:`exact_matrix` is the exact matrix; else it is the symmetric part, and :meth:`skew_part` is left out."""
+        """Whether :meth:`exact_matrix` is the exact matrix; else it is symmetric, and :meth:`rest` is left out."""
         return not self.symmetric or all(block.symmetry == "symmetric" for block in (*self.model.forces, *self.model.loads))
 
     @cached_property
-    def _skew(self) -> SkewProduct:
-        return SkewProduct(self.matrix)
+    def _rest(self) -> RestProduct:
+        return RestProduct(self.matrix, self.forces, self.elimination.T, self.expand)
 
-    def skew_part(self) -> SkewProduct:
-        """The product with what the matrix evaluated last leaves out, its skew part; to be used before the next evaluation."""
-        self._skew.look()
-        return self._skew
+    def rest(self, point: Point, weights: Weights) -> RestProduct:
+        """The product with what the matrix leaves out; ``point`` is where it was evaluated last, with these weights."""
+        self._rest.look(self.coordinates(point), self._force_velocities(point), weights)
+        return self._rest
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.

@@ -13,7 +13,7 @@ from lamella import threads
 from lamella._jit import shared
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.expand import Entries, expand_matrix, expand_rows
-from lamella.assembly.forces import ForceSum
+from lamella.assembly.forces import ForceSum, for_matrix
 from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
@@ -44,7 +44,7 @@ class MatrixAssembly:
 
     def __init__(self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
         self.model, self.constraints = model, constraints
-        blocks = (*model.forces, *model.loads, *model.constraints)
+        blocks = (*for_matrix(model.forces, symmetric), *model.loads, *model.constraints)
         entries, ends = [], [0]
         for block in blocks:
             rows = block.k_rows

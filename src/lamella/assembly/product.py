@@ -6,17 +6,21 @@ from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from lamella._jit import kernel
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.matrix import MatrixAssembly
+from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
 from lamella.model import Model
-from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
+from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, SplitForceBlock
 
 Unsigned = NDArray[np.uint32]
+Place = tuple[Floats, Floats, float, float]
+"""Coordinates and velocities, and how the unknown moves them."""
 
 
 class TangentProduct:
@@ -34,6 +38,7 @@ class TangentProduct:
         self._sums, self._constraints = (forces, loads), constraints
         self._of_sums = [[(block, _Entries(block)) for block, _ in summed.parts] for summed in self._sums]
         self._curvatures = [(block, _Entries(block)) for block in model.constraints]
+        self._rests = _Rests(forces, model.n_q)
 
     def look(self, point: Point, q: Floats, v: Floats, weights: Weights) -> None:
         """Evaluate the tangents.
@@ -43,6 +48,7 @@ class TangentProduct:
             q, v: its coordinates and velocities.
             weights: how the unknown moves coordinates and velocities.
         """
+        self._at = q, v, weights.alpha_q, weights.alpha_v
         for summed, parts, factor in zip(self._sums, self._of_sums, (1.0, point.factor), strict=True):
             summed.linearise(point.t, q, v, weights, q, [entries.k for _, entries in parts])
             for block, entries in parts:
@@ -58,6 +64,8 @@ class TangentProduct:
         y = np.zeros_like(x)
         for _, entries in chain(*self._of_sums, self._curvatures):
             _add_product(entries.rows, entries.cols, entries.k, entries.mirrored, x, y)
+        if self._rests:
+            self._rests.onto(self._at, x, y)
         return y
 
 
@@ -69,6 +77,57 @@ class _Entries:
         self.scale: Floats | float = block.k_scale if isinstance(block, ForceBlock) else 1.0
         self.mirrored = not isinstance(block, ForceBlock) or block.symmetry == "symmetric"
         self.k = np.zeros(len(self.rows))
+
+
+class _Rests:
+    """The rests that blocks with a split tangent multiply, summed in all coordinates or in the independent ones.
+
+    Args:
+        forces: the blocks, among others.
+        n_q: number of coordinates.
+        T: map from independent to all coordinates, (n_q, n_u); the identity when left out.
+    """
+
+    def __init__(self, forces: ForceSum, n_q: int, T: sparse.csr_array | None = None) -> None:
+        self._blocks = [block for block, _ in forces.parts if isinstance(block, SplitForceBlock)]
+        self._sum = ForceSum(self._blocks, n_q, T, None if T is None else forces)
+
+    def __bool__(self) -> bool:
+        return bool(self._blocks)
+
+    def onto(self, at: Place, x: Floats, y: Floats) -> None:
+        """Add the product with x, in all coordinates, to ``y``."""
+        for block, (_, part) in zip(self._blocks, self._sum.parts, strict=True):
+            block.rest_product(*at, x, part)
+        self._sum.reduced_onto(y)
+
+
+class RestProduct:
+    """R x with what a symmetric matrix leaves out of the exact one: skew parts, and the rests of split tangents.
+
+    Args:
+        assembly: of the matrix.
+        forces: the force blocks as the matrix takes them.
+        T: map from independent to all coordinates, (n_q, n_u).
+        expand: the product with it.
+    """
+
+    def __init__(self, assembly: MatrixAssembly, forces: ForceSum, T: sparse.csr_array, expand: SumOperator) -> None:
+        self._skew, self._expand = SkewProduct(assembly) if len(assembly.pairs) else None, expand
+        self._rests = _Rests(forces, T.shape[0], T)
+
+    def look(self, q: Floats, v: Floats, weights: Weights) -> None:
+        """Take the tangents of the assembly's last evaluation, which was at ``q`` and ``v`` with ``weights``."""
+        if self._skew is not None:
+            self._skew.look()
+        self._at = q, v, weights.alpha_q, weights.alpha_v
+
+    def __call__(self, x: Floats) -> Floats:
+        """The product with a change of the unknowns, shape (n_u,)."""
+        y = np.zeros_like(x) if self._skew is None else self._skew(x)
+        if self._rests:
+            self._rests.onto(self._at, self._expand(x), y)
+        return y
 
 
 class SkewProduct:

@@ -46,7 +46,7 @@ class ExactMatrix:
         self.linear = linear or linear_solver(equations.matrix.pattern)
         self._per_magnitude = 1.0 / equations.magnitude
         self._unsymmetric: ExactMatrix | None = None
-        self._skew: Callable[[Floats], Floats] | None = None
+        self._rest: Callable[[Floats], Floats] | None = None
         self._known = 0
         self._directions, self._images = np.zeros((2, 0 if equations.is_exact else MOST, equations.n_u + equations.n_lam))
 
@@ -58,7 +58,7 @@ class ExactMatrix:
         Raises:
             ModelError: it is singular, so that the solution is not differentiable.
         """
-        self._at, self._skew, self._known = (point, weights), None, 0
+        self._at, self._rest, self._known = (point, weights), None, 0
         k, j = self.equations.exact_matrix(point, weights)
         try:
             self.linear.factorise(k, j)
@@ -110,14 +110,14 @@ class ExactMatrix:
         K = equations.matrix.pattern.matrix(equations.exact_matrix(point, STATIC)[0].copy())
         if equations.is_exact:
             return lambda x: K @ x
-        skew = equations.skew_part()
-        return lambda x: K @ x + skew(x)
+        rest = equations.rest(point, STATIC)
+        return lambda x: K @ x + rest(x)
 
     def _product(self, x: Floats) -> Floats:
-        """N x."""
-        if self._skew is None:
-            self._skew = self.equations.skew_part()
-        return self._skew(x)
+        """R x."""
+        if self._rest is None:
+            self._rest = self.equations.rest(*self._at)
+        return self._rest(x)
 
 
 def exact(equations: Equations) -> Equations:
