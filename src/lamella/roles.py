@@ -124,10 +124,8 @@ class ForceBlock(Memory, ABC):
         return not len(self.k_rows) and not self.depends_on_velocity
 
     @property
-    def split(self) -> SplitForceBlock | None:
-        """The same force with its nearly symmetric tangent in two parts, which serves in symmetric matrices; None where the
-        symmetric part of the entries does.
-        """
+    def symmetric_form(self) -> MatrixFreeBlock | None:
+        """The same force with a symmetric tangent near to that of a nearly symmetric block; None where there is none."""
         return None
 
     def settle(self, t: float, q: Floats) -> None:
@@ -141,16 +139,15 @@ class ForceBlock(Memory, ABC):
         return 0.0
 
 
-class SplitForceBlock(ForceBlock):
-    """A force whose tangent is a symmetric matrix S and a small rest R.
+class MatrixFreeBlock(ForceBlock):
+    """A force block that multiplies its tangent with vectors, at the cost of few forces.
 
-    1. ``symmetry`` is ``symmetric``, and ``force_tangent`` writes S alone.
-    2. ``rest_product`` overwrites the force buffer with R x.
+    The product is with the exact tangent, also where ``force_tangent`` writes a symmetric matrix near it.
     """
 
     @abstractmethod
-    def rest_product(self, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
-        """Write R x to the force buffer ``f`` (n_f,), for a change x of the coordinates (n_q,)."""
+    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
+        """Write (alpha_q df/dq + alpha_v df/dv) x to the force buffer ``f`` (n_f,), x in all coordinates (n_q,)."""
 
 
 class InertiaBlock(ABC):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -9,13 +10,13 @@ from scipy import sparse
 
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
-from lamella.assembly.forces import ForceSum, for_matrix
+from lamella.assembly.forces import ForceSum
 from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
-from lamella.assembly.product import RestProduct
+from lamella.assembly.product import SkewProduct, TangentProduct, matrix_free
 from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
@@ -48,8 +49,10 @@ class Equations:
         known = like if like is not None and T is like.elimination.T else None
         blocks = (*model.forces, *model.loads)
         self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
-        forces = for_matrix(model.forces, self.symmetric)
-        self.forces = ForceSum(forces, model.n_q, T, None if known is None else known.forces)
+        free = matrix_free(model.forces, model.loads)
+        self.multiplies = free is not None
+        """Whether :meth:`product` is cheap beside the matrix."""
+        self.forces = ForceSum(free if free and self.symmetric else model.forces, model.n_q, T, None if known is None else known.forces)
         self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
         self.mass = Mass(model, T, None if known is None else known.mass)
         self.constraints = ConstraintStack(model.constraints)
@@ -121,7 +124,8 @@ class Equations:
     @cached_property
     def matrix(self) -> MatrixAssembly:
         """The assembly of matrices; made when first needed."""
-        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.n_u, self.symmetric)
+        forces = [block for block, _ in self.forces.parts]
+        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.n_u, self.symmetric, forces)
 
     def start(self, t: float = 0.0, *, factor: float = 1.0, at_rest: bool = False) -> Point:
         """The reference configuration with the initial velocities (none at rest); supports take precedence over both."""
@@ -197,17 +201,39 @@ class Equations:
 
     @property
     def is_exact(self) -> bool:
-        """Whether :meth:`exact_matrix` is the exact matrix; else it is symmetric, and :meth:`rest` is left out."""
+        """Whether :meth:`exact_matrix` is the exact matrix; else it is a symmetric one near it."""
         return not self.symmetric or all(block.symmetry == "symmetric" for block in (*self.model.forces, *self.model.loads))
 
     @cached_property
-    def _rest(self) -> RestProduct:
-        return RestProduct(self.matrix, self.forces, self.elimination.T, self.expand)
+    def _skew(self) -> SkewProduct:
+        return SkewProduct(self.matrix)
 
-    def rest(self, point: Point, weights: Weights) -> RestProduct:
-        """The product with what the matrix leaves out; ``point`` is where it was evaluated last, with these weights."""
-        self._rest.look(self.coordinates(point), self._force_velocities(point), weights)
-        return self._rest
+    def skew_part(self) -> SkewProduct:
+        """The product with what the matrix evaluated last leaves out of the exact one, its skew part; to be used before the next
+        evaluation, and where the equations do not multiply.
+        """
+        self._skew.look()
+        return self._skew
+
+    @cached_property
+    def _tangents(self) -> TangentProduct:
+        return TangentProduct(self.model, self.forces, self.loads, self.constraints, self.elimination.T)
+
+    def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
+        """The product of the exact matrix alpha_q K + alpha_v D + alpha_a M at a point with changes of the unknowns.
+
+        It is to be used before the next one is asked for.
+        """
+        tangents = self._tangents
+        tangents.look(point, self.coordinates(point), self._force_velocities(point), weights)
+
+        def multiplied(x: Floats) -> Floats:
+            y = tangents.reduced(self.expand(x), self._gather)
+            if weights.alpha_a:
+                y += weights.alpha_a * self.inertia_force(x)
+            return y
+
+        return multiplied
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.

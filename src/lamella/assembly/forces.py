@@ -13,11 +13,6 @@ from lamella.assembly.point import Weights
 from lamella.roles import Floats, ForceBlock
 
 
-def for_matrix(blocks: Sequence[ForceBlock], symmetric: bool) -> list[ForceBlock]:
-    """The blocks in the form in which a matrix takes them: split where it is symmetric and a block offers that."""
-    return [(block.split if symmetric else None) or block for block in blocks]
-
-
 class ForceSum:
     """f(t, q, v) of some blocks: each writes a part of one buffer, which is summed at once.
 
@@ -101,9 +96,9 @@ class ForceSum:
             self._in_all = self._sum(self.buffer)
         return self._in_all
 
-    def reduced_onto(self, out: Floats) -> None:
-        """Add T^T times the sum of what the buffer, written to by others, holds now to ``out`` (n_u,)."""
-        self._reduce.onto(self.buffer, out)
+    def written(self) -> None:
+        """Take note that others have written to the buffer."""
+        self._filled(np.nan)
 
     def reduced(self) -> Floats:
         """T^T times the sum of what the buffer holds now, shape (n_u,); not to be written to."""

@@ -13,7 +13,7 @@ from lamella import threads
 from lamella._jit import shared
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.expand import Entries, expand_matrix, expand_rows
-from lamella.assembly.forces import ForceSum, for_matrix
+from lamella.assembly.forces import ForceSum
 from lamella.assembly.operator import ScatterSum, SumOperator
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import numbered
@@ -40,11 +40,20 @@ class MatrixAssembly:
         T: map from independent to all coordinates, (n_q, n_u).
         n_u: number of independent coordinates.
         symmetric: keep the upper triangle only.
+        forces: the model's force blocks in other forms.
     """
 
-    def __init__(self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, n_u: int, symmetric: bool) -> None:
+    def __init__(
+        self,
+        model: Model,
+        constraints: ConstraintStack,
+        T: sparse.csr_array,
+        n_u: int,
+        symmetric: bool,
+        forces: Sequence[ForceBlock] | None = None,
+    ) -> None:
         self.model, self.constraints = model, constraints
-        blocks = (*for_matrix(model.forces, symmetric), *model.loads, *model.constraints)
+        blocks = (*(model.forces if forces is None else forces), *model.loads, *model.constraints)
         entries, ends = [], [0]
         for block in blocks:
             rows = block.k_rows

@@ -143,7 +143,10 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        self._adopt(self.matrix.factorise(point, weights), weights)
+        if self.newton.holds(weights):
+            self.matrix.follow(point, weights)
+        else:
+            self.matrix.factorise(point, weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
         shares = (
             dt,
@@ -170,6 +173,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             if n < len(a):
                 rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
             self.derivatives[k] = new
+        if self.matrix.renewed is not None:
+            self._adopt(self.matrix.renewed, weights)
         self._take_note(point)
         return point
 

@@ -260,6 +260,10 @@ class NewtonSolver:
             self._per_stiffness = 1.0 / np.maximum(np.abs(diagonal), np.finfo(float).tiny)
         self._factored_for, self._age = weights, 0
 
+    def holds(self, weights: Weights) -> bool:
+        """Whether ``linear`` holds a factorisation for these weights that contracts well."""
+        return self._factored_for == weights
+
     def _free(self, error: SingularSystemError) -> str:
         """What is free, in words."""
         return str(error) if error.index is None else self.equations.free(error.index)

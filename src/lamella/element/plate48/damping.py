@@ -9,21 +9,22 @@ from scipy.sparse import csr_array
 
 from lamella.element.block import Range
 from lamella.element.plate48 import damping_kernels as kernels
-from lamella.element.plate48 import damping_split as split
+from lamella.element.plate48.damping_symmetric import symmetric_tangent, work_size
 from lamella.element.plate48.entries import all_entries, upper_entries
 from lamella.element.plate48.kernels import energy as elastic_energy
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.section import Section
+from lamella.element.plate48.tangent_product import tangent_product
 from lamella.inertia import of_components
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, SplitForceBlock, Symmetry
+from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
 from lamella.threads import Workspace
 
-FORCE, TANGENT, SYMMETRIC_TANGENT = 60e-9, 0.8e-6, 0.4e-6
-"""Seconds that force and tangents take for a Gauss point of an element."""
+FORCE, TANGENT, SYMMETRIC_TANGENT, PRODUCT = 60e-9, 0.8e-6, 0.4e-6, 80e-9
+"""Seconds that force, tangents, and a product with the tangent take for a Gauss point of an element."""
 
 
-class KelvinVoigtBlock(Plate48Block):
+class KelvinVoigtBlock(Plate48Block, MatrixFreeBlock):
     """Viscous resultants c C dE/dt on the strains E = (eps, kap) of the section's definition: f = int (dE/dq)^T c C dE/dt dA.
 
     Rigid motion has no strain rate, so it is not damped. The tangent is not symmetric, but its unsymmetric part is small.
@@ -55,7 +56,7 @@ class KelvinVoigtBlock(Plate48Block):
         self._unused, self._energies = np.empty(len(self.f_coords)), aligned(self.n_block * WIDTH)
         if len(self._arguments) > 1:
             self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.n_k), self._power.copy()
-        self._split = SplitDampingBlock(self, self._arguments, n_gauss)
+        self._symmetric_form = SymmetricDampingBlock(self, self._arguments, n_gauss)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force, with the elastic one if that is added."""
@@ -99,10 +100,26 @@ class KelvinVoigtBlock(Plate48Block):
 
         self.over_blocks(TANGENT * arguments[4] ** 2, call)
 
+    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
+        """The product with the exact tangent."""
+        how = x, alpha_q, alpha_v, self.time, self.elastic
+        self._tangent_product(self._arguments[0], q, v, how, f)
+        for arguments in self._arguments[1:]:
+            self._tangent_product(arguments, q, v, how, self._f)
+            f += self._f
+
+    def _tangent_product(
+        self, arguments: KernelArguments, q: Floats, v: Floats, how: tuple[Floats, float, float, float, bool], f: Floats
+    ) -> None:
+        def call(blocks: Range) -> None:
+            tangent_product(q, v, *how, *seen(arguments, blocks), self._work.array, blocks.of(f))
+
+        self.over_blocks(PRODUCT * arguments[4] ** 2, call)
+
     @property
-    def split(self) -> SplitForceBlock:
-        """The same force with the two parts of its tangent."""
-        return self._split
+    def symmetric_form(self) -> MatrixFreeBlock:
+        """The same force with a symmetric tangent."""
+        return self._symmetric_form
 
     def energy(self, t: float, q: Floats) -> float:
         """No potential."""
@@ -114,8 +131,8 @@ class KelvinVoigtBlock(Plate48Block):
         return float(self._power[: self.n_element].sum())
 
 
-class SplitDampingBlock(SplitForceBlock):
-    """The force of a :class:`KelvinVoigtBlock`, with the symmetric part of its tangent that costs as much as an elastic one.
+class SymmetricDampingBlock(MatrixFreeBlock):
+    """The force of a :class:`KelvinVoigtBlock`, with a symmetric tangent that costs as much as an elastic one.
 
     Args:
         whole: the block, whose tangent is not symmetric.
@@ -128,7 +145,7 @@ class SplitDampingBlock(SplitForceBlock):
     def __init__(self, whole: KelvinVoigtBlock, arguments: list[KernelArguments], n_gauss: int) -> None:
         self.name, self._whole, self._arguments = whole.name, whole, arguments
         self.f_coords, self.f_scale = whole.f_coords, whole.f_scale
-        self._work = Workspace(split.work_size(n_gauss) * WIDTH)
+        self._work = Workspace(work_size(n_gauss) * WIDTH)
         self._more = aligned(self.f_coords.size), aligned(whole.n_block * len(upper_entries()[0]) * WIDTH * (len(arguments) > 1))
 
     @property
@@ -162,7 +179,7 @@ class SplitDampingBlock(SplitForceBlock):
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
-        """Force and symmetric part of the tangent."""
+        """Force and symmetric tangent."""
         first, *others = self._arguments
         how = q_previous, q_previous is not q, alpha_q, alpha_v, self._whole.time, self._whole.elastic
         self._force_tangent(first, q, v, how, f, k)
@@ -181,24 +198,13 @@ class SplitDampingBlock(SplitForceBlock):
         k: Floats,
     ) -> None:
         def call(blocks: Range) -> None:
-            split.symmetric_tangent(q, v, *how, *seen(arguments, blocks), self._work.array, blocks.of(f), blocks.of(k))
+            symmetric_tangent(q, v, *how, *seen(arguments, blocks), self._work.array, blocks.of(f), blocks.of(k))
 
         self._whole.over_blocks(SYMMETRIC_TANGENT * arguments[4] ** 2, call)
 
-    def rest_product(self, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
-        """What the tangent of the whole block has beyond the symmetric part, times x."""
-        first, *others = self._arguments
-        factor = alpha_q * self._whole.time
-        self._rest_product(first, q, v, x, factor, f)
-        for arguments in others:
-            self._rest_product(arguments, q, v, x, factor, self._more[0])
-            f += self._more[0]
-
-    def _rest_product(self, arguments: KernelArguments, q: Floats, v: Floats, x: Floats, factor: float, f: Floats) -> None:
-        def call(blocks: Range) -> None:
-            split.rest_product(q, v, x, factor, *seen(arguments, blocks), self._work.array, blocks.of(f))
-
-        self._whole.over_blocks(FORCE * arguments[4] ** 2, call)
+    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
+        """As the whole block."""
+        self._whole.tangent_product(t, q, v, alpha_q, alpha_v, x, f)
 
     def energy(self, t: float, q: Floats) -> float:
         """As the whole block."""

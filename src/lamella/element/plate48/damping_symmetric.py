@@ -1,20 +1,17 @@
-"""The tangent of Kelvin-Voigt damping in two parts, as :mod:`lamella.element.plate48.damping_kernels` has it in one.
+"""A symmetric matrix near the tangent of Kelvin-Voigt damping, which costs what the tangent of the elastic force costs.
 
-With the weights alpha_q, alpha_v of coordinates and velocities and the resultants N of the force it is
+With the weights alpha_q, alpha_v of coordinates and velocities and the resultants N of the force, the tangent is
 
-    alpha_q c R + S,      S = (alpha_v c + alpha_q) (ds/dq)^T C (ds/dq) + alpha_q sum_k N_k d2s_k/dq2,      R = (ds/dq)^T C (dsdot/dq)
+    S + alpha_q c R,      S = (alpha_v c + alpha_q) (ds/dq)^T C (ds/dq) + alpha_q sum_k N_k d2s_k/dq2,      R = (ds/dq)^T C (dsdot/dq)
 
-(without elastic force alpha_v c alone weighs the first). S is symmetric and costs what the tangent of the elastic force costs; R,
-small beside it by the turn of a step, is multiplied point by point, at one and a half forces, and never formed.
+(without elastic force alpha_v c alone weighs the first). R, which is left out, is small beside S by the turn of a step.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
-from lamella._jit import inlined, shared
+from lamella._jit import shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
-from lamella.element.plate48.damping_kernels import dual_rate, gather_both, scaled21, strain_rates, weighted6
+from lamella.element.plate48.damping_kernels import gather_both, scaled21, strain_rates, weighted6
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
     N_SECTION,
@@ -28,15 +25,10 @@ from lamella.element.plate48.interpolation import (
 )
 from lamella.element.plate48.strain import (
     Cubed,
-    Vector,
-    combined,
-    combined3,
-    dot,
     extrapolated_strains,
     gradient,
     normal_change,
     resultants,
-    scaled,
     strains,
     surface_frame,
 )
@@ -107,60 +99,3 @@ def symmetric_tangent(
 def work_size(n: int) -> int:
     """Lanes of work space for n x n Gauss points."""
     return 48 + 4 * 36 * n + 15 * n + 144 * n + 6 * n * n * 25
-
-
-@inlined
-def _changed_rates(
-    g: tuple[Vector, ...], v: tuple[Vector, ...], x: tuple[Vector, ...], m: Vector, d1: Vector, d2: Vector, cubed: Cubed
-) -> tuple[Any, ...]:
-    """(dsdot/dg) x, the change of the rates of the strains along x; v = gdot."""
-    m_rate, dm = normal_change(v[0], v[1], m, d1, d2, cubed), normal_change(x[0], x[1], m, d1, d2, cubed)
-    normal = dm if cubed is None else scaled(1.0 / dot(m, m), dm)
-    dd1, dd2 = dual_rate(d1, x, d1, d2, m, normal), dual_rate(d2, x, d1, d2, m, normal)
-    along1, along2 = dot(m, v[0]), dot(m, v[1])
-    dm_rate = combined(
-        1.0, combined(-along1, dd1, -along2, dd2), -1.0, combined(dot(dm, v[0]), d1, dot(dm, v[1]), d2)
-    )
-    if cubed is not None:
-        stretch = dot(dd1, v[0]) + dot(dd2, v[1])
-        dm_rate = combined3(1.0, dm_rate, -2.0 * (dot(d1, v[0]) + dot(d2, v[1])), dm, -2.0 * stretch, m)
-    return (
-        dot(x[0], v[0]),
-        dot(x[1], v[1]),
-        dot(x[0], v[1]) + dot(x[1], v[0]),
-        dot(v[2], dm) + dot(x[2], m_rate) + dot(g[2], dm_rate),
-        dot(v[3], dm) + dot(x[3], m_rate) + dot(g[3], dm_rate),
-        dot(v[4], dm) + dot(x[4], m_rate) + dot(g[4], dm_rate),
-    )
-
-
-@shared
-def rest_product(
-    q: Floats,
-    v: Floats,
-    x: Floats,
-    factor: float,
-    index: Ints,
-    scale: Floats,
-    sections: Floats,
-    table: Floats,
-    n: int,
-    cubed: Cubed,
-    work: Floats,
-    f: Floats,
-) -> None:
-    """``factor`` R x, f (block, 48), for x in the coordinates of q."""
-    lines, rates, changes, sums = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n
-    for block in range(index.size // (48 * WIDTH)):
-        gather_both(q, v, index, scale, block, table, n, work)
-        gather(x, index, scale, block, work, 0)
-        interpolate_eta(work, 0, changes, table, n)
-        for j in range(n):
-            for i in range(n):
-                g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
-                m, d1, d2 = surface_frame(g[0], g[1], cubed)
-                change = _changed_rates(g, g_rate, interpolate_xi(work, changes, table, i, j), m, d1, d2, cubed)
-                c = stiffness(sections, ((block * n + j) * n + i) * N_SECTION)
-                res = resultants(c, weighted6(factor, change, 0.0, change))
-                spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
-        spread_eta(work, sums, table, n, f, block * 48)
