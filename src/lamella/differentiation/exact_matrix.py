@@ -13,13 +13,14 @@ from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.linear import linear_solver
+from lamella.solve.turned import TurnedSolver
 
 ENOUGH = 1e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further. The differences on the right-hand
 side leave as much; 1e-9 already leaves 2e-7 of an output of a motion, 1e-10 some 1e-8."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-WORTH = 2
+WORTH = 1
 """Products of a point, beyond those that a new matrix would take, that cost as much as evaluating and factorising one."""
 
 
@@ -55,6 +56,7 @@ class ExactMatrix:
         self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
         self._known = self._spent = self._least = 0
         self._directions, self._images = np.zeros((2, 0, equations.n_u + equations.n_lam))
+        self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
 
     def factorise(self, point: Point, weights: Weights) -> None:
         """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints at a point.
@@ -79,15 +81,16 @@ class ExactMatrix:
 
         Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
         """
-        worth = self.equations.multiplies and self.equations.symmetric and not self.equations.n_lam
-        if not worth or self._spent > self._least + WORTH:
-            self.factorise(point, weights)
-        else:
+        if self._outlasts and self._spent <= self._least + WORTH:
             self._begin(point, weights)
+        else:
+            self.factorise(point, weights)
 
     def _begin(self, point: Point, weights: Weights) -> None:
         if self.renewed is not None:
             self._least = self._spent
+        if isinstance(self.linear, TurnedSolver):
+            self.linear.look(self.equations.coordinates(point))
         self._at, self._residual, self.renewed = (point, weights), None, None
         self._known = self._spent = 0
 

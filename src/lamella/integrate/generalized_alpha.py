@@ -20,6 +20,7 @@ from lamella.result import Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
+from lamella.solve.turned import TurnedSolver, turned
 from lamella.units import quantity
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ class GeneralizedAlphaStepper(Stepper):
             self.newton = StaggeredNewton(form, equations, options.newton, statistics, solver)
             self.linear = self.newton.linear
         else:
-            self.linear = linear_solver(equations.matrix.pattern, solver)
+            self.linear = turned(linear_solver(equations.matrix.pattern, solver), equations)
             self.newton = NewtonSolver(form, self.linear, options.newton, statistics)
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         self.change = ChangeSize(equations)
@@ -174,6 +175,8 @@ class GeneralizedAlphaStepper(Stepper):
             new.u[n:], new.ud[n:] = self.fields.predicted(dt, old.u[n:], old.ud[n:])
         if self.stabilised:
             self.stabilised.begin(old, weights)
+        if isinstance(self.linear, TurnedSolver):
+            self.linear.look(self.equations.coordinates(new))
         report = self.newton.solve(new, weights, self.q)
         if self.stabilised and report.converged:
             new = self.stabilised.finished(new)
