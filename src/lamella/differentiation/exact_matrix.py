@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lamella._jit import kernel
+from lamella._jit import kernel, njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.errors import ModelError, SingularSystemError
@@ -157,7 +157,7 @@ class ExactMatrix:
     def _by_products(self) -> Callable[[Floats, Floats, Floats], Floats]:
         n, times = self.equations.n_u, self.equations.product(*self._at)
         if not self.equations.n_lam:
-            return lambda r, s, z: self.linear.solve(-(r + times(z)), s)[0]
+            return lambda r, s, z: self.linear.solve(_negative_sum(r, times(z)), s)[0]
         J = self.equations.jacobian(self._at[0])
 
         def lacking(r: Floats, s: Floats, z: Floats) -> Floats:
@@ -175,6 +175,14 @@ class ExactMatrix:
 def exact(equations: Equations) -> Equations:
     """The same equations with their exact matrix: unsymmetric where a block is only nearly symmetric."""
     return equations if equations.is_exact else Equations(equations.model, symmetric=False, like=equations)
+
+
+@njit
+def _negative_sum(x: Floats, y: Floats) -> Floats:
+    z = np.empty_like(x)
+    for i in range(len(x)):
+        z[i] = -(x[i] + y[i])
+    return z
 
 
 @kernel

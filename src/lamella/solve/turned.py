@@ -73,10 +73,9 @@ class TurnedSolver(LinearSolver):
         """Solve with the last factorisation, turned."""
         if not self._turned:
             return self._linear.solve(r, s)
-        back = r.copy()
+        back, out = np.empty_like(r), np.empty_like(r)
         _turn_back(self._turns, self._places, self._nodes, r, back)
         x, y = self._linear.solve(back, s)
-        out = x.copy()
         _turn(self._turns, self._places, self._nodes, x, out)
         return out, y
 
@@ -109,6 +108,8 @@ def _between(start: Floats, frames: Floats, turns: Floats) -> None:
 
 @kernel
 def _turn(turns: Floats, places: Ints, nodes: Ints, x: Floats, y: Floats) -> None:
+    for i in range(len(x)):
+        y[i] = x[i]
     for k in range(len(places)):
         i, n = places[k], nodes[k]
         for c in range(3):
@@ -117,6 +118,8 @@ def _turn(turns: Floats, places: Ints, nodes: Ints, x: Floats, y: Floats) -> Non
 
 @kernel
 def _turn_back(turns: Floats, places: Ints, nodes: Ints, x: Floats, y: Floats) -> None:
+    for i in range(len(x)):
+        y[i] = x[i]
     for k in range(len(places)):
         i, n = places[k], nodes[k]
         for c in range(3):
