@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy import sparse
@@ -52,7 +52,8 @@ class Equations:
         free = matrix_free(model.forces, model.loads)
         self.multiplies = free is not None
         """Whether :meth:`product` is cheap beside the matrix."""
-        self.forces = ForceSum(free if free and self.symmetric else model.forces, model.n_q, T, None if known is None else known.forces)
+        forces = free if free and self.symmetric else model.forces
+        self.forces = ForceSum(forces, model.n_q, T, None if known is None else known.forces)
         self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
         self.mass = Mass(model, T, None if known is None else known.mass)
         self.constraints = ConstraintStack(model.constraints)
@@ -209,9 +210,7 @@ class Equations:
         return SkewProduct(self.matrix)
 
     def skew_part(self) -> SkewProduct:
-        """The product with what the matrix evaluated last leaves out of the exact one, its skew part; to be used before the next
-        evaluation, and where the equations do not multiply.
-        """
+        """The product with the skew part of what was evaluated last, which a symmetric matrix leaves out; before the next one."""
         self._skew.look()
         return self._skew
 
@@ -220,20 +219,13 @@ class Equations:
         return TangentProduct(self.model, self.forces, self.loads, self.constraints, self.elimination.T)
 
     def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
-        """The product of the exact matrix alpha_q K + alpha_v D + alpha_a M at a point with changes of the unknowns.
+        """The product of the exact matrix at a point with changes of the unknowns, to be used before the next is asked for."""
+        self._tangents.look(point, self.coordinates(point), self._force_velocities(point), weights)
+        return partial(self._times, weights.alpha_a)
 
-        It is to be used before the next one is asked for.
-        """
-        tangents = self._tangents
-        tangents.look(point, self.coordinates(point), self._force_velocities(point), weights)
-
-        def multiplied(x: Floats) -> Floats:
-            y = tangents.reduced(self.expand(x), self._gather)
-            if weights.alpha_a:
-                y += weights.alpha_a * self.inertia_force(x)
-            return y
-
-        return multiplied
+    def _times(self, alpha_a: float, x: Floats) -> Floats:
+        y = self._tangents.reduced(self.expand(x), self._gather)
+        return y + alpha_a * self.inertia_force(x) if alpha_a else y
 
     def left_out(self, point: Point, tolerance: float, *, rates: bool = False) -> str:
         """Rows left out as redundant that are violated after all, in words; empty when there is none.

@@ -111,7 +111,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
-        self.matrix, self._adopt = ExactMatrix(equations, self.linear), newton.adopt
+        self.matrix = ExactMatrix(equations, self.linear)
+        self._adopt, self._holds = newton.adopt, newton.holds
         newton.patience = int(self.linear.pattern.symmetric)  # with secants; a matrix of its own would serve one step alone
         self.derivatives: list[PointDerivative] = []
 
@@ -143,7 +144,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        if self.newton.holds(weights):
+        if self._holds(weights):
             self.matrix.follow(point, weights)
         else:
             self.matrix.factorise(point, weights)

@@ -24,7 +24,7 @@ FORCE, TANGENT, SYMMETRIC_TANGENT, PRODUCT = 60e-9, 0.8e-6, 0.4e-6, 80e-9
 """Seconds that force, tangents, and a product with the tangent take for a Gauss point of an element."""
 
 
-class KelvinVoigtBlock(Plate48Block, MatrixFreeBlock):
+class KelvinVoigtBlock(Plate48Block):
     """Viscous resultants c C dE/dt on the strains E = (eps, kap) of the section's definition: f = int (dE/dq)^T c C dE/dt dA.
 
     Rigid motion has no strain rate, so it is not damped. The tangent is not symmetric, but its unsymmetric part is small.

@@ -149,6 +149,7 @@ def _store_rate_rows(
 
 @inlined
 def scaled21(a: float, c: Any) -> Any:
+    """``a`` times the 21 entries of a stiffness."""
     return (
         a * c[0], a * c[1], a * c[2], a * c[3], a * c[4], a * c[5], a * c[6], a * c[7], a * c[8], a * c[9], a * c[10],
         a * c[11], a * c[12], a * c[13], a * c[14], a * c[15], a * c[16], a * c[17], a * c[18], a * c[19], a * c[20],
@@ -205,6 +206,7 @@ def gather_both(q: Floats, v: Floats, index: Ints, scale: Floats, block: int, ta
 
 @inlined
 def weighted6(a: float, s: tuple[Any, ...], b: float, r: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Sum a s + b r of six strains or resultants."""
     return (
         a * s[0] + b * r[0], a * s[1] + b * r[1], a * s[2] + b * r[2],
         a * s[3] + b * r[3], a * s[4] + b * r[4], a * s[5] + b * r[5],

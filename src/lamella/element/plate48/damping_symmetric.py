@@ -2,7 +2,8 @@
 
 With the weights alpha_q, alpha_v of coordinates and velocities and the resultants N of the force, the tangent is
 
-    S + alpha_q c R,      S = (alpha_v c + alpha_q) (ds/dq)^T C (ds/dq) + alpha_q sum_k N_k d2s_k/dq2,      R = (ds/dq)^T C (dsdot/dq)
+    S + alpha_q c R,      S = (alpha_v c + alpha_q) (ds/dq)^T C (ds/dq) + alpha_q sum_k N_k d2s_k/dq2
+                          R = (ds/dq)^T C (dsdot/dq)
 
 (without elastic force alpha_v c alone weighs the first). R, which is left out, is small beside S by the turn of a step.
 """

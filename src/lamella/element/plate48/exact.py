@@ -13,14 +13,14 @@ from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.tangent_product import tangent_product
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Ints, MatrixFreeBlock
+from lamella.roles import Floats, Ints
 from lamella.threads import Workspace
 
 FORCE, TANGENT, PRODUCT = 40e-9, 0.36e-6, 60e-9
 """Seconds that force, force with tangent, and a product with the tangent take for a Gauss point of an element."""
 
 
-class ShellBlock(Plate48Block, MatrixFreeBlock):
+class ShellBlock(Plate48Block):
     """Elastic shell with exact Kirchhoff-Love strains (Green-Lagrange membrane strains, curvature with the exact normal).
 
     W = int 1/2 eps.A eps - eps.B kap + 1/2 kap.D kap dA with E(z) = eps - z kap: the section stiffness of (eps, kap) is

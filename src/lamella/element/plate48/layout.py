@@ -13,7 +13,7 @@ from lamella.element.plate48.shape import PLATE48, gauss_points, hermite_table, 
 from lamella.element.plate48.strain import Cubed
 from lamella.element.plate48.surface import derivatives_at_points, reference_surface
 from lamella.errors import ModelError
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Ints, MatrixFreeBlock
 
 UPPER = np.triu_indices(6)
 KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
@@ -27,7 +27,7 @@ def seen(arguments: KernelArguments, blocks: Range) -> KernelArguments:
     return blocks.of(index), blocks.of(scale), blocks.of(sections), table, n, cubed
 
 
-class Plate48Block(ElementBlock):
+class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportIncompatibleVariableOverride]
     """Element tables of a group of Plate48 elements, packed for the kernels.
 
     Args:

@@ -3,9 +3,9 @@
 At a Gauss point x changes the derivatives g by y, so that with the weights alpha_q, alpha_v of coordinates and velocities, the
 resultants N = C_e (s + c sdot) and the force (ds/dg)^T N
 
-    (ds/dg)^T C_e ((alpha_q + c alpha_v) ds + alpha_q c dsdot) + alpha_q (d(ds/dg))^T N,      ds = (ds/dg) y,  dsdot = (dsdot/dg) y
+    (ds/dg)^T C_e ((alpha_q + c alpha_v) ds + alpha_q c dsdot) + alpha_q (d(ds/dg))^T N
 
-where d is the change along y. One product takes about one and a half times as long as the force; layouts as in
+with the changes ds = (ds/dg) y, dsdot = (dsdot/dg) y and d(ds/dg) along y. One product takes about one and a half times as long as the force; layouts as in
 :mod:`lamella.element.plate48.kernels`.
 """
 
