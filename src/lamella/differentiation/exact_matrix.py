@@ -81,7 +81,7 @@ class ExactMatrix:
 
         Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
         """
-        if self._outlasts and self._spent <= self._least + WORTH:
+        if self._outlasts and (self.renewed is not None or self._spent <= self._least + WORTH):
             self._begin(point, weights)
         else:
             self.factorise(point, weights)

@@ -25,8 +25,8 @@ class TurnedSolver(LinearSolver):
         K^-1 = Q K0^-1 Q^T,      Q = diag(R_k),      R_k = F_k F_k0^T
 
     with the frames F_k = (t, m x t, m) of the nodes' normals m and of the bisectors t of their slopes, now and where K0 was
-    evaluated. Where a plate has turned, this takes from K0 the error of first order in the angle, which the membrane, stiff beside
-    the bending, magnifies. Vectors of which supports hold a component are not turned.
+    evaluated. Where a plate has turned, this takes from K0 the error of first order in the angle, which the membrane, stiff
+    beside the bending, magnifies. Vectors of which supports hold a component are not turned.
 
     Args:
         linear: the solver.

@@ -5,8 +5,8 @@ resultants N = C_e (s + c sdot) and the force (ds/dg)^T N
 
     (ds/dg)^T C_e ((alpha_q + c alpha_v) ds + alpha_q c dsdot) + alpha_q (d(ds/dg))^T N
 
-with the changes ds = (ds/dg) y, dsdot = (dsdot/dg) y and d(ds/dg) along y. One product takes about one and a half times as long as the force; layouts as in
-:mod:`lamella.element.plate48.kernels`.
+with the changes ds = (ds/dg) y, dsdot = (dsdot/dg) y and d(ds/dg) along y. One product takes about one and a half times as long
+as the force; layouts as in :mod:`lamella.element.plate48.kernels`.
 """
 
 from __future__ import annotations
