@@ -19,7 +19,7 @@ from lamella.differentiation.neighbours import neighbours_of
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.solve.linear import linear_solver
-from lamella.solve.turned import turned
+from lamella.solve.turned import Vectors, turned_solver
 
 TIGHT = lm.Newton(tolerance=1e-12, keep=0.0, line_search=True)
 SPAN = 1e-3
@@ -368,10 +368,14 @@ def test_factorisation_of_an_earlier_point_serves_a_later_one(damping: float, mo
     model = damped(damping=damping).compile()
     near, exact = Equations(model), Equations(model, symmetric=False)
     early, late = (near.point_of(lm.simulate(model, t, method).final, t) for t in (0.03, 0.034))
-    held = ExactMatrix(near, turned(linear_solver(near.matrix.pattern), near))
+    solver = turned_solver(linear_solver(near.matrix.pattern), Vectors(near))
+    assert solver is not None
+    held = ExactMatrix(near, solver)
     held.factorise(early, weights)
+    solver.made_at(early.u)
     r, none = np.sin(np.arange(near.n_u)), np.zeros(0)
     held.solve(r, none)
+    solver.turn(late.u)
     held.follow(late, weights)
     assert held.renewed is None
     found = held.solve(r, none)[0] / near.magnitude

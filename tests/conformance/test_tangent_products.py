@@ -12,10 +12,11 @@ from lamella.assembly.point import STATIC
 from lamella.element.plate48.block import SHELL
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import PLATE48
-from lamella.integrate import generalized_alpha
 from lamella.lane import aligned
+from lamella.solve import newton
 from lamella.solve.linear import linear_solver
-from lamella.solve.turned import TurnedSolver
+from lamella.solve.turned import TurnedSolver, Vectors, turned_solver
+from lamella.solve.turned_nodes import NodeTurnedSolver
 
 OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
 BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "both": SHELL.damped}
@@ -80,14 +81,13 @@ def test_symmetric_form_of_damping_leaves_out_what_turns_with_the_motion(mesh, r
     np.testing.assert_allclose(S, K, atol=1e-12 * np.abs(K).max())
 
 
-def arm(elements=(4, 1), damping=1e-4):
-    """A strip that is pushed at its end; the other end is held at its positions, so that it may turn there."""
-    layup = lm.Laminate(lm.Isotropic(7e10, 0.3, 2700.0), thickness=2e-3)
+def cantilever():
+    """A damped plate that is pushed at its end."""
+    layup = lm.Laminate(lm.Isotropic(7e10, 0.3, 2700.0), thickness=4e-3)
     system = lm.System()
-    plate = system.add(lm.Plate("plate", (1.0, 0.1), elements, layup, damping=damping))
-    plate.marker("tip", 1.0, 0.05)
-    system.add(lm.EdgeSupport("axis", plate.edge("x-")))
-    system.add(lm.PointForce("push", plate.marker("middle", 0.5, 0.05), (0.0, 0.0, 3.0)))
+    plate = system.add(lm.Plate("plate", (1.5, 2.0), (3, 3), layup, damping=1e-3))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PointForce("push", plate.marker("tip", 1.5, 1.0), (0.0, 0.0, -10.0)))
     return system
 
 
@@ -100,12 +100,13 @@ def test_turned_factorisation_is_that_of_the_turned_plate(rng):
     start.u += 1e-3 * np.sin(np.arange(len(start.u)))
     R = random_rotation(rng)
     after = start.moved_to((start.u.reshape(-1, 3) @ R.T).reshape(-1))
-    solver = TurnedSolver(linear_solver(equations.matrix.pattern), equations)
-    solver.look(start.u)
+    solver = turned_solver(linear_solver(equations.matrix.pattern), Vectors(equations))
+    assert isinstance(solver, NodeTurnedSolver)
     solver.factorise(*equations.exact_matrix(start, weights))
+    solver.made_at(start.u)
     r, none = np.cos(np.arange(equations.n_u)), np.zeros(0)
     first = solver.solve(r, none)[0]
-    solver.look(after.u)
+    solver.turn(after.u)
     found = solver.solve(r, none)[0]
     solver.factorise(*equations.exact_matrix(after, weights))
     expected = solver.solve(r, none)[0]
@@ -113,12 +114,13 @@ def test_turned_factorisation_is_that_of_the_turned_plate(rng):
     np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())  # rounding times the condition
 
 
-def test_turned_factorisations_serve_longer(monkeypatch):
-    method, runs = lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.8), []
-    for turned in (generalized_alpha.turned, lambda linear, equations: linear):
-        monkeypatch.setattr(generalized_alpha, "turned", turned)
-        runs.append(lm.simulate(arm(), 0.6, method))
-    counts = [run.statistics for run in runs]
-    assert counts[0].factorisations <= 0.6 * counts[1].factorisations
-    assert counts[0].newton_iterations <= counts[1].newton_iterations
-    np.testing.assert_allclose(runs[0]["tip.position"].values, runs[1]["tip.position"].values, atol=1e-4)  # 1 m long
+def test_factorisations_that_turn_with_each_node_serve_longer_than_those_that_turn_as_a_whole(monkeypatch):
+    method, runs = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9), []
+    for made in (turned_solver, TurnedSolver, lambda linear, vectors: None):
+        monkeypatch.setattr(newton, "turned_solver", made)
+        runs.append(lm.simulate(cantilever(), 0.3, method))
+    by_nodes, whole, not_at_all = (run.statistics for run in runs)
+    assert by_nodes.factorisations <= 0.7 * min(whole.factorisations, not_at_all.factorisations)
+    assert by_nodes.newton_iterations <= 1.05 * min(whole.newton_iterations, not_at_all.newton_iterations)
+    for run in runs[1:]:
+        np.testing.assert_allclose(runs[0]["tip.position"].values, run["tip.position"].values, atol=1e-4)  # 1 m long

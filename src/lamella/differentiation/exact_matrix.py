@@ -13,7 +13,6 @@ from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.linear import linear_solver
-from lamella.solve.turned import TurnedSolver
 
 ENOUGH = 1e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further. The differences on the right-hand
@@ -89,8 +88,6 @@ class ExactMatrix:
     def _begin(self, point: Point, weights: Weights) -> None:
         if self.renewed is not None:
             self._least = self._spent
-        if isinstance(self.linear, TurnedSolver):
-            self.linear.look(self.equations.coordinates(point))
         self._at, self._residual, self.renewed = (point, weights), None, None
         self._known = self._spent = 0
 

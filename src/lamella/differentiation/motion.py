@@ -111,8 +111,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
-        self.matrix = ExactMatrix(equations, self.linear)
-        self._adopt, self._holds = newton.adopt, newton.holds
+        self.matrix = ExactMatrix(equations, newton.linear)
+        self._adopt, self._turn_to = newton.adopt, newton.turn_to
         newton.patience = int(self.linear.pattern.symmetric)  # with secants; a matrix of its own would serve one step alone
         self.derivatives: list[PointDerivative] = []
 
@@ -144,7 +144,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        if self._holds(weights):
+        if self._turn_to(point, weights):
             self.matrix.follow(point, weights)
         else:
             self.matrix.factorise(point, weights)
@@ -175,7 +175,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
                 rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
             self.derivatives[k] = new
         if self.matrix.renewed is not None:
-            self._adopt(self.matrix.renewed, weights)
+            self._adopt(self.matrix.renewed, point, weights)
         self._take_note(point)
         return point
 

@@ -19,6 +19,7 @@ from lamella.result import Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
+from lamella.solve.turned import Vectors
 from lamella.units import quantity
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ class BDFStepper(Stepper):
         self.options, self.equations, self.statistics = options, equations, statistics
         self.stabilised = StabilisedEquations(equations) if equations.n_lam else None
         self.linear = linear_solver(equations.matrix.pattern, solver)
-        self.newton = NewtonSolver(self.stabilised or equations, self.linear, options.newton, statistics)
+        self.newton = NewtonSolver(self.stabilised or equations, self.linear, options.newton, statistics, Vectors(equations))
         self.change = ChangeSize(equations)
 
     def restart(self, point: Point) -> None:

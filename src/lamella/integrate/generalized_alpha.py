@@ -20,7 +20,7 @@ from lamella.result import Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
-from lamella.solve.turned import TurnedSolver, turned
+from lamella.solve.turned import Vectors
 from lamella.units import quantity
 
 if TYPE_CHECKING:
@@ -113,8 +113,8 @@ class GeneralizedAlphaStepper(Stepper):
             self.newton = StaggeredNewton(form, equations, options.newton, statistics, solver)
             self.linear = self.newton.linear
         else:
-            self.linear = turned(linear_solver(equations.matrix.pattern, solver), equations)
-            self.newton = NewtonSolver(form, self.linear, options.newton, statistics)
+            self.linear = linear_solver(equations.matrix.pattern, solver)
+            self.newton = NewtonSolver(form, self.linear, options.newton, statistics, Vectors(equations))
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         self.change = ChangeSize(equations)
         self._per_size = 1.0 / equations.magnitude[:n]
@@ -175,8 +175,6 @@ class GeneralizedAlphaStepper(Stepper):
             new.u[n:], new.ud[n:] = self.fields.predicted(dt, old.u[n:], old.ud[n:])
         if self.stabilised:
             self.stabilised.begin(old, weights)
-        if isinstance(self.linear, TurnedSolver):
-            self.linear.look(self.equations.coordinates(new))
         report = self.newton.solve(new, weights, self.q)
         if self.stabilised and report.converged:
             new = self.stabilised.finished(new)
@@ -203,7 +201,7 @@ class GeneralizedAlphaStepper(Stepper):
         """
         local = (self.beta - 1.0 / 6.0) * dt**2 * change
         inertia = weights.alpha_a * self.equations.inertia_force(local)
-        filtered, _ = self.linear.solve(inertia[: self.linear.pattern.n], np.zeros(self.equations.n_lam))
+        filtered, _ = self.newton.linear.solve(inertia[: self.linear.pattern.n], np.zeros(self.equations.n_lam))
         self.statistics.solves += 1
         return filtered[: self.n]
 

@@ -14,6 +14,7 @@ from lamella.result import Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonReport, NewtonSolver
+from lamella.solve.turned import Vectors
 
 
 class PartialEquations:
@@ -125,9 +126,10 @@ class StaggeredNewton:
         n = whole.n_motion
         heat = PartialEquations(whole, whole, n, whole.n_u, multipliers=False)
         motion = PartialEquations(equations, whole, 0, n, multipliers=True)
-        self.linear = linear_solver(motion.pattern, solver)
         self._heat, self._heat_newton = heat, NewtonSolver(heat, linear_solver(heat.pattern, solver), options, statistics)
-        self._motion, self._motion_newton = motion, NewtonSolver(motion, self.linear, options, statistics)
+        self._motion, vectors = motion, Vectors(whole)
+        self._motion_newton = NewtonSolver(motion, linear_solver(motion.pattern, solver), options, statistics, vectors)
+        self.linear = self._motion_newton.linear
 
     def forget(self) -> None:
         """Do not use the present factorisations again."""

@@ -18,6 +18,7 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.broyden import BroydenCorrections
 from lamella.solve.secant import SecantCorrections
+from lamella.solve.turned import Vectors, turned_solver
 from lamella.units import Positive
 
 ROUNDING = 1e-9
@@ -108,13 +109,18 @@ class NewtonSolver:
         linear: solver of the linear systems.
         options: tolerances.
         statistics: counts the work.
+        vectors: where the coordinate vectors of the equations stand, so that a kept factorisation turns with the structure.
 
     Attributes:
         patience: slow iterations in a row that are borne with before a factorisation is given up.
     """
 
-    def __init__(self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics) -> None:
-        self.equations, self.linear, self.options, self.statistics = equations, linear, options, statistics
+    def __init__(
+        self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics, vectors: Vectors | None = None
+    ) -> None:
+        self.equations, self.options, self.statistics = equations, options, statistics
+        self._turned = vectors and turned_solver(linear, vectors)
+        self.linear = linear = self._turned or linear
         self._factored_for: Weights | None = None
         self._age, self._short_lived = 0, False
         self.patience, self._slow = 0, 0
@@ -131,8 +137,7 @@ class NewtonSolver:
 
     def forget(self) -> None:
         """Go on as a new solver: without the present factorisation, and without what earlier ones have told."""
-        self._drop()
-        self._short_lived = False
+        self._factored_for, self._short_lived = None, False
 
     def _drop(self) -> None:
         self._factored_for = None
@@ -152,6 +157,7 @@ class NewtonSolver:
         self._age += 1
         self._slow = 0
         held = held and self.options.line_search != "residual"  # which asks for the diagonal of the matrix as well
+        self.turn_to(point, weights)
         iteration, renewed = 0, False
         for iteration in range(self.options.max_iterations):
             fresh = held or self._factored_for != weights
@@ -162,9 +168,9 @@ class NewtonSolver:
                 if not isfinite(r.dot(r)):
                     return NewtonReport(Cause.NOT_FINITE, iteration, last, "the residual is not finite")
                 if matrix is not None:
-                    self._factorise(matrix, weights)
+                    self._factorise(matrix, point, weights)
                 elif held:
-                    self._factored_for, self._age = weights, 0
+                    self._made(point, weights)
                 du, dlam = self._corrections(r, phi)
             except SingularSystemError as error:
                 self._drop()
@@ -217,11 +223,9 @@ class NewtonSolver:
 
     def _promising(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the present factorisation contracts well enough to end the iteration soon, or is given time."""
-        if contraction <= self.options.keep and size * contraction**PATIENCE <= goal:
-            self._slow = 0
-            return True
-        self._slow += 1
-        return self._slow <= self.patience and contraction < GROWTH
+        well = contraction <= self.options.keep and size * contraction**PATIENCE <= goal
+        self._slow = 0 if well else self._slow + 1
+        return well or (self._slow <= self.patience and contraction < GROWTH)
 
     def _small_enough(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the estimated error is within the tolerance, or the correction is rounding, which shrinks no further."""
@@ -247,22 +251,30 @@ class NewtonSolver:
         self.statistics.tangents += 1
         return Evaluation(r, phi, (k, j))
 
-    def _factorise(self, matrix: tuple[Floats, Floats], weights: Weights) -> None:
+    def _factorise(self, matrix: tuple[Floats, Floats], point: Point, weights: Weights) -> None:
         self.linear.factorise(*matrix)
         self.statistics.factorisations += 1
-        self.adopt(matrix[0], weights)
+        self.adopt(matrix[0], point, weights)
 
-    def adopt(self, k: Floats, weights: Weights) -> None:
-        """Go on with the factorisation of a matrix with the values ``k``, made for these weights, that ``linear`` holds now."""
+    def adopt(self, k: Floats, point: Point, weights: Weights) -> None:
+        """Go on with the factorisation of the matrix with the values ``k`` at ``point`` that ``linear`` holds now."""
         self._corrections.forget()
         if self.options.line_search == "residual":
             diagonal = self.linear.pattern.diagonal(k)
             self._per_stiffness = 1.0 / np.maximum(np.abs(diagonal), np.finfo(float).tiny)
-        self._factored_for, self._age = weights, 0
+        self._made(point, weights)
 
-    def holds(self, weights: Weights) -> bool:
-        """Whether ``linear`` holds a factorisation for these weights that contracts well."""
-        return self._factored_for == weights
+    def _made(self, point: Point, weights: Weights) -> None:
+        self._factored_for, self._age = weights, 0
+        if self._turned:
+            self._turned.made_at(point.u)
+
+    def turn_to(self, point: Point, weights: Weights) -> bool:
+        """Whether ``linear`` holds a factorisation for these weights that contracts well; it is turned to ``point`` then."""
+        held = self._factored_for == weights
+        if held and self._turned:
+            self._turned.turn(point.u)
+        return held
 
     def _free(self, error: SingularSystemError) -> str:
         """What is free, in words."""

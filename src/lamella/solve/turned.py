@@ -1,126 +1,177 @@
-"""A factorisation that turns with the nodes of plates, so that it serves longer."""
+"""Solutions by a factorisation that was made before the structure turned."""
 
 from __future__ import annotations
+
+from math import cos, sin, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lamella._jit import kernel
-from lamella.assembly.equations import Equations
-from lamella.lane import sqrt
 from lamella.roles import Floats, Ints
 from lamella.solve.base import LinearSolver
+from lamella.solve.turned_nodes import Nodes, NodeTurnedSolver
+
+if TYPE_CHECKING:
+    from lamella.assembly.equations import Equations
+
+MOST_LEFT = 0.25
+"""Share of the slopes' change, in squares, that a rotation may leave; a strip that bends in its first mode leaves 0.2."""
+PASSES = 20
+"""Most corrections of the rotation; four suffice for half a radian."""
+SETTLED = 1e-7
+"""Correction of the rotation [rad] that is the last one."""
 
 
-def turned(linear: LinearSolver, equations: Equations) -> LinearSolver:
-    """The solver with a factorisation that turns along, where that is possible: with plates, and without multipliers.
+class Vectors:
+    """Where the coordinate vectors of a system stand among its independent coordinates.
 
-    Rows of constraints with multipliers turn with no node.
+    Args:
+        equations: the equations of a model.
+
+    Attributes:
+        rows: the independent coordinates of each vector, -1 where a component depends on others or is held, shape (n, 3).
+        slopes: those of vectors that are whole and no positions, shape (m, 3).
+        nodes: those of plates, each of which turns by itself; None where constraints have multipliers, which turn with no node.
     """
-    return TurnedSolver(linear, equations) if equations.model.plates and not equations.n_lam else linear
+
+    def __init__(self, equations: Equations) -> None:
+        vector, component = np.divmod(equations.elimination.independent[: equations.n_motion], 3)
+        chosen, place = np.unique(vector, return_inverse=True)
+        self.rows: Ints = np.full((len(chosen), 3), -1)
+        self.rows[place, component] = np.arange(len(vector))
+        whole = np.all(self.rows >= 0, axis=1)
+        self.slopes: Ints = self.rows[whole & ~equations.model.is_position[chosen]]
+        self.nodes = None if equations.n_lam else Nodes(equations)
+
+
+def turned_solver(linear: LinearSolver, vectors: Vectors) -> TurnedSolver | NodeTurnedSolver | None:
+    """The solver with a factorisation that turns along, None where nothing turns."""
+    if vectors.nodes is not None and len(vectors.nodes.slopes):
+        return NodeTurnedSolver(linear, vectors.nodes)
+    return TurnedSolver(linear, vectors) if len(vectors.slopes) else None
 
 
 class TurnedSolver(LinearSolver):
-    """Solves with the factorisation of a matrix K0 of an earlier configuration, seen from axes that turn with each node.
+    """A solver whose factorisation of A(u) serves for A(u') too, where u' is u turned as a whole by R, and a little more:
 
-        K^-1 = Q K0^-1 Q^T,      Q = diag(R_k),      R_k = F_k F_k0^T
+        A(u')^-1 = Q A(u)^-1 Q^T,    Q = diag(R, ..., R, 1, ..., 1)
 
-    with the frames F_k = (t, m x t, m) of the nodes' normals m and of the bisectors t of their slopes, now and where K0 was
-    evaluated. Where a plate has turned, this takes from K0 the error of first order in the angle, which the membrane, stiff
-    beside the bending, magnifies. Vectors of which supports hold a component are not turned.
+    Elastic, viscous and inertial forces turn with the structure, f(Q q, Q v) = Q f(q, v), so their tangents do. Coordinates are
+    vectors in space: without Q a plate of length L and thickness h that has turned by an angle theta seems stiffer by the order
+    of 12 (L theta / h)^2, and after a hundredth of a radian the factorisation is of no use. R is the rotation that brings the
+    slopes of u nearest to those of u'; where it leaves too much, as between panels that unfold, there is none.
+
+    Components that do not move freely are left out of Q. Multipliers stay as they are: constraints between parts that turn
+    together do not see the rotation, and those to the ground are off by the order of theta.
 
     Args:
         linear: the solver.
-        equations: tell the places of nodal vectors among the unknowns.
+        vectors: of the equations to be solved.
     """
 
-    def __init__(self, linear: LinearSolver, equations: Equations) -> None:
-        self._linear, self.pattern = linear, linear.pattern
-        independent = equations.elimination.independent
-        slopes, places, nodes, count = [], [], [], 0
-        for plate in equations.model.plates:
-            numbers, per_node = np.arange(plate.n_nodes), plate.element.vectors_per_node
-            slopes.append(np.stack([3 * (plate.vector(0, name) + per_node * numbers) for name in ("r_x", "r_y")], axis=1))
-            coords = 3 * (plate.first + np.arange(per_node * plate.n_nodes))
-            at = np.searchsorted(independent, coords)
-            first, last = (independent[np.minimum(at + c, len(independent) - 1)] for c in (0, 2))
-            whole = (first == coords) & (last == coords + 2)
-            places.append(at[whole])
-            nodes.append((count + np.arange(len(coords)) // per_node)[whole])
-            count += plate.n_nodes
-        self._slopes, self._places, self._nodes = (np.concatenate(parts) for parts in (slopes, places, nodes))
-        self._start, self._frames, self._turns = np.zeros((3, count, 3, 3))
-        self._turned = False
-        _frames(equations.model.q0, self._slopes, self._frames)
+    def __init__(self, linear: LinearSolver, vectors: Vectors) -> None:
+        self.linear, self.pattern, self._vectors = linear, linear.pattern, vectors
+        self._R, self._back, self._turned = np.eye(3), np.eye(3), False
+        self._at: Floats | None = None
 
     @property
     def negative_pivots(self) -> int | None:
-        """As the solver."""
-        return self._linear.negative_pivots
-
-    def look(self, q: Floats) -> None:
-        """Turn with the nodes to a configuration (n_q,)."""
-        _frames(q, self._slopes, self._frames)
-        _between(self._start, self._frames, self._turns)
-        self._turned = True
+        """Number of negative eigenvalues, which no rotation changes."""
+        return self.linear.negative_pivots
 
     def factorise(self, k: Floats, j: Floats) -> None:
-        """Factorise a matrix of the configuration looked at last, or of one near it."""
-        self._linear.factorise(k, j)
-        self._start[:] = self._frames
-        self._turned = False
+        """Factorise the matrix; see :meth:`made_at`."""
+        self._at, self._turned = None, False
+        self.linear.factorise(k, j)
+
+    def made_at(self, u: Floats) -> None:
+        """Take note of the independent coordinates at which the present factorisation was made."""
+        self._at, self._turned = u, False
+
+    def turn(self, u: Floats) -> None:
+        """Turn the factorisation, whose place is known, to the independent coordinates ``u``."""
+        assert self._at is not None, "made_at follows each factorisation"
+        self._turned = bool(_fit(self._vectors.slopes, self._at, u, self._R))
+        self._back[:] = self._R.T
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
-        """Solve with the last factorisation, turned."""
+        """Solution for the present place."""
         if not self._turned:
-            return self._linear.solve(r, s)
-        back, out = np.empty_like(r), np.empty_like(r)
-        _turn_back(self._turns, self._places, self._nodes, r, back)
-        x, y = self._linear.solve(back, s)
-        _turn(self._turns, self._places, self._nodes, x, out)
-        return out, y
+            return self.linear.solve(r, s)
+        there, x = np.empty_like(r), np.empty_like(r)
+        _rotate(self._back, self._vectors.rows, r, there)
+        found, y = self.linear.solve(there, s)
+        _rotate(self._R, self._vectors.rows, found, x)
+        return x, y
 
 
 @kernel
-def _frames(q: Floats, slopes: Ints, frames: Floats) -> None:
-    for k in range(len(slopes)):
-        i, j = slopes[k, 0], slopes[k, 1]
-        a0, a1, a2, b0, b1, b2 = q[i], q[i + 1], q[i + 2], q[j], q[j + 1], q[j + 2]
-        a, b = 1.0 / sqrt(a0 * a0 + a1 * a1 + a2 * a2), 1.0 / sqrt(b0 * b0 + b1 * b1 + b2 * b2)
-        m0, m1, m2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
-        t0, t1, t2 = a * a0 + b * b0, a * a1 + b * b1, a * a2 + b * b2
-        m, t = 1.0 / sqrt(m0 * m0 + m1 * m1 + m2 * m2), 1.0 / sqrt(t0 * t0 + t1 * t1 + t2 * t2)
-        m0, m1, m2, t0, t1, t2 = m * m0, m * m1, m * m2, t * t0, t * t1, t * t2
-        frames[k, 0, 0], frames[k, 1, 0], frames[k, 2, 0] = t0, t1, t2
-        frames[k, 0, 1], frames[k, 1, 1], frames[k, 2, 1] = m1 * t2 - m2 * t1, m2 * t0 - m0 * t2, m0 * t1 - m1 * t0
-        frames[k, 0, 2], frames[k, 1, 2], frames[k, 2, 2] = m0, m1, m2
-
-
-@kernel
-def _between(start: Floats, frames: Floats, turns: Floats) -> None:
-    for k in range(len(frames)):
-        for i in range(3):
-            for j in range(3):
+def _rotate(R: Floats, rows: Ints, x: Floats, y: Floats) -> None:
+    """y = Q x; components that are left out count as zero."""
+    for i in range(len(x)):
+        y[i] = x[i]
+    for k in range(len(rows)):
+        for c in range(3):
+            if rows[k, c] >= 0:
                 total = 0.0
-                for c in range(3):
-                    total += frames[k, i, c] * start[k, j, c]
-                turns[k, i, j] = total
+                for d in range(3):
+                    if rows[k, d] >= 0:
+                        total += R[c, d] * x[rows[k, d]]
+                y[rows[k, c]] = total
 
 
 @kernel
-def _turn(turns: Floats, places: Ints, nodes: Ints, x: Floats, y: Floats) -> None:
-    for i in range(len(x)):
-        y[i] = x[i]
-    for k in range(len(places)):
-        i, n = places[k], nodes[k]
-        for c in range(3):
-            y[i + c] = turns[n, c, 0] * x[i] + turns[n, c, 1] * x[i + 1] + turns[n, c, 2] * x[i + 2]
+def _fit(slopes: Ints, old: Floats, new: Floats, R: Floats) -> bool:
+    """R <- the rotation that minimises sum |b - R a|^2 over the slopes a of ``old`` and b of ``new``, by Gauss and Newton:
 
+        R <- exp(w) R,    sum (|R a|^2 1 - R a (R a)^T) w = sum R a x b
 
-@kernel
-def _turn_back(turns: Floats, places: Ints, nodes: Ints, x: Floats, y: Floats) -> None:
-    for i in range(len(x)):
-        y[i] = x[i]
-    for k in range(len(places)):
-        i, n = places[k], nodes[k]
-        for c in range(3):
-            y[i + c] = turns[n, 0, c] * x[i] + turns[n, 1, c] * x[i + 1] + turns[n, 2, c] * x[i + 2]
+    Returns:
+        Whether the slopes have changed, and what the rotation leaves is small beside that.
+    """
+    for c in range(3):
+        for d in range(3):
+            R[c, d] = 1.0 if c == d else 0.0
+    moved = 0.0
+    for turn in range(PASSES):
+        xx = xy = xz = yy = yz = zz = mx = my = mz = left = 0.0
+        for k in range(len(slopes)):
+            i, j, m = slopes[k, 0], slopes[k, 1], slopes[k, 2]
+            x = R[0, 0] * old[i] + R[0, 1] * old[j] + R[0, 2] * old[m]
+            y = R[1, 0] * old[i] + R[1, 1] * old[j] + R[1, 2] * old[m]
+            z = R[2, 0] * old[i] + R[2, 1] * old[j] + R[2, 2] * old[m]
+            left += (new[i] - x) ** 2 + (new[j] - y) ** 2 + (new[m] - z) ** 2
+            xx += y * y + z * z
+            yy += x * x + z * z
+            zz += x * x + y * y
+            xy -= x * y
+            xz -= x * z
+            yz -= y * z
+            mx += y * new[m] - z * new[j]
+            my += z * new[i] - x * new[m]
+            mz += x * new[j] - y * new[i]
+        if turn == 0:
+            moved = left
+        elif not left <= MOST_LEFT * moved:
+            return False
+        cx, cy, cz = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+        det = xx * cx + xy * cy + xz * cz
+        if not det > 1e-12 * xx * yy * zz:  # slopes along one line do not tell how it turns about itself
+            return False
+        wx = (cx * mx + cy * my + cz * mz) / det
+        wy = (cy * mx + (xx * zz - xz * xz) * my + (xy * xz - xx * yz) * mz) / det
+        wz = (cz * mx + (xy * xz - xx * yz) * my + (xx * yy - xy * xy) * mz) / det
+        angle = sqrt(wx * wx + wy * wy + wz * wz)
+        if angle > 0.0:
+            wx, wy, wz = wx / angle, wy / angle, wz / angle
+        s, c1 = sin(angle), 1.0 - cos(angle)
+        for d in range(3):  # each column v <- v + sin w x v + (1 - cos) w x (w x v)
+            x, y, z = R[0, d], R[1, d], R[2, d]
+            along = wx * x + wy * y + wz * z
+            R[0, d] = x + s * (wy * z - wz * y) + c1 * (wx * along - x)
+            R[1, d] = y + s * (wz * x - wx * z) + c1 * (wy * along - y)
+            R[2, d] = z + s * (wx * y - wy * x) + c1 * (wz * along - z)
+        if turn > 0 and angle < SETTLED:
+            return True
+    return False
