@@ -383,6 +383,6 @@ def test_factorisation_of_an_earlier_point_serves_a_later_one(damping: float, mo
     matrix.factorise(late, weights)
     expected = matrix.solve(r, none)[0] / near.magnitude
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
-    monkeypatch.setattr(exact_matrix, "WORTH", -1)
+    monkeypatch.setattr(held, "_worth", -1)
     held.follow(early, weights)
     assert held.renewed is not None  # as the last point took too many products

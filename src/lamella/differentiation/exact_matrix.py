@@ -19,8 +19,9 @@ ENOUGH = 1e-10
 side leave as much; 1e-9 already leaves 2e-7 of an output of a motion, 1e-10 some 1e-8."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-WORTH = 1
-"""Products of a point, beyond those that a new matrix would take, that cost as much as evaluating and factorising one."""
+WORTH, WORTH_OF_LARGE, LARGE = 1, 6, 1000
+"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix, from which Newton's method gains
+too; and that number for matrices that are exact, with so many unknowns or more, for which a factorisation costs most."""
 
 
 class ExactMatrix:
@@ -55,6 +56,7 @@ class ExactMatrix:
         self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
         self._known = self._spent = self._least = 0
         self._directions, self._images = np.zeros((2, 0, equations.n_u + equations.n_lam))
+        self._worth = WORTH_OF_LARGE if equations.is_exact and equations.n_u >= LARGE else WORTH
         self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
 
     def factorise(self, point: Point, weights: Weights) -> None:
@@ -80,7 +82,7 @@ class ExactMatrix:
 
         Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
         """
-        if self._outlasts and (self.renewed is not None or self._spent <= self._least + WORTH):
+        if self._outlasts and (self.renewed is not None or self._spent <= self._least + self._worth):
             self._begin(point, weights)
         else:
             self.factorise(point, weights)
