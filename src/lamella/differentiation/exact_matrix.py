@@ -1,4 +1,4 @@
-"""The exact matrix at a solution: its symmetric part factorised, its skew part by conjugate residuals."""
+"""The exact matrix at a solution: a matrix near it factorised, and what that lacks by conjugate residuals."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ side leave as much; 1e-9 already leaves 2e-7 of an output of a motion, 1e-10 som
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
 WORTH, WORTH_OF_LARGE, LARGE = 1, 6, 1000
-"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix, from which Newton's method gains
-too; and that number for matrices that are exact, with so many unknowns or more, for which a factorisation costs most."""
+"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix, from which Newton's method
+gains too; and that number for matrices that are exact, with so many unknowns or more, whose factorisation costs most."""
 
 
 class ExactMatrix:
