@@ -221,6 +221,7 @@ class Breaking(ForceBlock):
     """
 
     name = "breaking"
+    depends_on_velocity = True  # else it is evaluated once for each time
 
     def __init__(self, kind, at):
         self.kind, self.at, self.calls = kind, at, 0

@@ -65,6 +65,7 @@ def test_product_is_that_with_the_tangent(mesh, rng, kind, option):
 def test_symmetric_form_of_damping_leaves_out_what_turns_with_the_motion(mesh, rng, kind, option):
     block = made(kind, mesh, rng, option)
     form = block.symmetric_form
+    assert form is not None
     q = mesh.rest + 0.05 * rng.standard_normal(mesh.rest.shape)
     v, earlier = rng.standard_normal(q.shape), q + 0.01 * rng.standard_normal(q.shape)
     assert form.symmetry == "symmetric"

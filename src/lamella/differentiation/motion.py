@@ -99,9 +99,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         A du' + J^T dlam' = -(dr/dp at u' + D dv0 + M da0),    J du' = -dPhi/dp,    A = K + alpha_v D + alpha_a M
 
     with the exact matrix A at u', for all parameters by one factorisation, that of the step or of one before
-    (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at u'
-    (:func:`~lamella.differentiation.solution.residual_difference`). Steps keep the lengths that they have. Newton's method goes on
-    with that factorisation: it takes fewer iterations and hardly a matrix of its own, which pays for a part of what the
+    (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at
+    u' (:func:`~lamella.differentiation.solution.residual_difference`). Steps keep the lengths that they have. Newton's method
+    goes on with that factorisation: it takes fewer iterations and hardly a matrix of its own, which pays for a part of what the
     derivatives cost.
     """
 
