@@ -35,8 +35,8 @@ Indices = NDArray[np.int32]
 """Places in long arrays, kept short because reading them takes as long as what is done there."""
 
 Symmetry = Literal["symmetric", "nearly", "none"]
-"""Tangent of a block: ``symmetric`` (derivative of an energy; the block lists its upper triangle only), ``nearly`` (all
-entries listed; Newton may use the symmetric part) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
+"""Tangent of a block: ``symmetric`` (the block lists its upper triangle only), ``nearly`` (all entries listed; Newton may use a
+symmetric matrix instead) or ``none`` (all entries listed; an unsymmetric solver is needed)."""
 
 
 class Declaration(ABC):
@@ -143,6 +143,11 @@ class ForceBlock(Memory, ABC):
         """Whether its force is the same for all states at one time, so that it is evaluated once for each time."""
         return not len(self.k_rows) and not self.depends_on_velocity
 
+    @property
+    def symmetric_form(self) -> MatrixFreeBlock | None:
+        """The same force with a symmetric tangent near to that of a nearly symmetric block; None where there is none."""
+        return None
+
     def settle(self, t: float, q: Floats) -> None:
         """Take note of an accepted configuration (rule 7)."""
 
@@ -152,6 +157,17 @@ class ForceBlock(Memory, ABC):
     def settled_heat(self) -> float:
         """Energy that changes of discrete state have turned into heat since the start of a run [J] (rule 7)."""
         return 0.0
+
+
+class MatrixFreeBlock(ForceBlock):
+    """A force block that multiplies its tangent with vectors, at the cost of few forces.
+
+    The product is with the exact tangent, also where ``force_tangent`` writes a symmetric matrix near it.
+    """
+
+    @abstractmethod
+    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
+        """Write (alpha_q df/dq + alpha_v df/dv) x to the force buffer ``f`` (n_f,), x in all coordinates (n_q,)."""
 
 
 class InertiaBlock(ABC):

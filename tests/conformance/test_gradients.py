@@ -8,14 +8,18 @@ import numpy as np
 import pytest
 
 import lamella as lm
+from lamella.assembly import product
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Weights
 from lamella.assembly.product import TangentProduct
 from lamella.differentiation import exact_matrix
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.motion import DifferentiatedAlpha
+from lamella.differentiation.neighbours import neighbours_of
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
+from lamella.solve.linear import linear_solver
+from lamella.solve.turned import Vectors, turned_solver
 
 TIGHT = lm.Newton(tolerance=1e-12, keep=0.0, line_search=True)
 SPAN = 1e-3
@@ -191,8 +195,9 @@ def test_motion_of_a_damped_plate(damping: float) -> None:
 def test_run_with_derivatives_needs_hardly_a_matrix_of_its_own() -> None:
     method = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8)
     equations = Equations(damped(damping=0.0).compile())
+    force = neighbours_of("force", equations, -20.0, 20.0, lambda force: damped(damping=0.0, force=force))
     alone = lm.simulate(equations, 0.1, method)
-    along = lm.simulate(equations, 0.1, DifferentiatedAlpha(method, [], None, lambda *_: None))
+    along = lm.simulate(equations, 0.1, DifferentiatedAlpha(method, [force], None, lambda *_: None))
     assert along.statistics.factorisations <= 0.2 * alone.statistics.factorisations
     assert along.statistics.newton_iterations <= 1.2 * alone.statistics.newton_iterations
     np.testing.assert_allclose(along["tip.position"].values, alone["tip.position"].values, atol=1e-5)  # 0.5 m long
@@ -281,18 +286,19 @@ def test_a_parameter_asks_for_two_models_beside_and_one_that_moves_places_for_fo
     assert len(made) == len(set(made)) == 1 + beside
 
 
-def test_product_of_tangents_is_that_with_the_matrix() -> None:
-    system = mechanism()
+@pytest.mark.parametrize("made", [mechanism, heated])
+def test_product_of_tangents_is_that_with_the_matrix(made: Callable[[], lm.System]) -> None:
+    system = made()
     run = lm.simulate(system, 0.03, lm.GeneralizedAlpha(dt=2e-3))
     of = Equations(run.model, symmetric=False)
     state = run.final
     point = of.point_of(state, state.t)
     x = np.cos(np.arange(of.n_u))
-    product = TangentProduct(of.model, of.forces, of.loads, of.constraints)
-    product.look(of.start(), state.q, state.v, STATIC)  # what was seen before is forgotten
-    product.look(point, state.q, state.v, STATIC)
+    tangents = TangentProduct(of.model, of.forces, of.loads, of.constraints)
+    tangents.look(of.start(), state.q, state.v, STATIC)  # what was seen before is forgotten
+    tangents.look(point, state.q, state.v, STATIC)
     expected = of.matrix.pattern.matrix(of.linearise(point, STATIC)[2].copy()) @ x
-    found = of.elimination.T.T @ product(of.expand(x))
+    found = of.elimination.T.T @ tangents(of.expand(x))
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())  # sums in another order
 
 
@@ -307,10 +313,26 @@ def test_runs_of_equations_are_those_of_their_model() -> None:
     np.testing.assert_array_equal(moved, fresh)
 
 
-def test_skew_part_is_what_the_symmetric_matrix_leaves_out() -> None:
+def test_product_is_that_with_the_exact_matrix() -> None:
     run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
     weights = Weights(1.0, 1e3, 1e6)
     near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
+    point = near.point_of(run.final, run.final.t)
+    x = np.cos(np.arange(near.n_u))
+    whole, part = (e.matrix.pattern.matrix(e.exact_matrix(point, weights)[0].copy()) @ x for e in (exact, near))
+    assert np.abs(part - whole).max() > 1e-6 * np.abs(whole).max()  # dampers that move
+    for equations in (near, exact):
+        np.testing.assert_allclose(
+            ExactMatrix(equations).product(point, weights)(x), whole, atol=1e-12 * np.abs(whole).max()
+        )  # sums in another order
+
+
+def test_skew_part_is_what_the_symmetric_part_leaves_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(product, "LISTED", 0)  # no block takes another form
+    run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
+    weights = Weights(1.0, 1e3, 1e6)
+    near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
+    assert not near.multiplies
     point = near.point_of(run.final, run.final.t)
     x = np.cos(np.arange(near.n_u))
     whole, part = (e.matrix.pattern.matrix(e.exact_matrix(point, weights)[0].copy()) @ x for e in (exact, near))
@@ -319,9 +341,11 @@ def test_skew_part_is_what_the_symmetric_matrix_leaves_out() -> None:
     np.testing.assert_allclose(part + left_out, whole, atol=1e-12 * np.abs(whole).max())  # sums in another order
 
 
+@pytest.mark.parametrize("listed", [0, product.LISTED])
 @pytest.mark.parametrize(("moving", "most"), [(False, 24), (True, 24), (True, 2)])
-def test_matrix_of_dampers_is_solved_exactly(moving: bool, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_matrix_of_dampers_is_solved_exactly(moving: bool, most: int, listed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exact_matrix, "MOST", most)  # two products are not enough, so that it is factorised after all
+    monkeypatch.setattr(product, "LISTED", listed)  # by the skew part, or by products of blocks
     run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
     near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
     point = near.point_of(run.final, run.final.t)
@@ -336,3 +360,29 @@ def test_matrix_of_dampers_is_solved_exactly(moving: bool, most: int, monkeypatc
         found.append(np.concatenate([x / equations.magnitude, y]))
     size = np.abs(found[1][: near.n_u]).max()
     np.testing.assert_allclose(found[0][: near.n_u], found[1][: near.n_u], atol=1e-9 * size)  # rounding times the condition
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_factorisation_of_an_earlier_point_serves_a_later_one(damping: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    method, weights = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8), Weights(1.0, 2e3, 2e6)
+    model = damped(damping=damping).compile()
+    near, exact = Equations(model), Equations(model, symmetric=False)
+    early, late = (near.point_of(lm.simulate(model, t, method).final, t) for t in (0.03, 0.034))
+    solver = turned_solver(linear_solver(near.matrix.pattern), Vectors(near))
+    assert solver is not None
+    held = ExactMatrix(near, solver)
+    held.factorise(early, weights)
+    solver.made_at(early.u)
+    r, none = np.sin(np.arange(near.n_u)), np.zeros(0)
+    held.solve(r, none)
+    solver.turn(late.u)
+    held.follow(late, weights)
+    assert held.renewed is None
+    found = held.solve(r, none)[0] / near.magnitude
+    matrix = ExactMatrix(exact)
+    matrix.factorise(late, weights)
+    expected = matrix.solve(r, none)[0] / near.magnitude
+    np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
+    monkeypatch.setattr(held, "_worth", -1)
+    held.follow(early, weights)
+    assert held.renewed is not None  # as the last point took too many products

@@ -217,10 +217,11 @@ def test_coarse_steps_do_not_land_on_folded_solutions():
 class Breaking(ForceBlock):
     """A force that becomes something else at a time: NaN, or noise that no Newton can follow.
 
-    The noise differs from that of each of the two calls before, since an iterate may take one evaluation or two.
+    The noise is without period, as iterates take one evaluation, two or three.
     """
 
     name = "breaking"
+    depends_on_velocity = True  # else it is evaluated once for each time
 
     def __init__(self, kind, at):
         self.kind, self.at, self.calls = kind, at, 0
@@ -231,7 +232,7 @@ class Breaking(ForceBlock):
     def force(self, t, q, v, f):
         self.calls += 1
         late = t > self.at
-        f[0] = (np.nan if self.kind == "nan" else 1e9 * (1.0, -1.0, 2.0)[self.calls % 3]) if late else 0.0
+        f[0] = (np.nan if self.kind == "nan" else 1e9 * np.cos(self.calls**2)) if late else 0.0
 
     def force_tangent(self, t, q, v, alpha_q, alpha_v, q_previous, f, k):
         self.force(t, q, v, f)

@@ -15,7 +15,7 @@ from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
-from lamella.assembly.product import SkewProduct
+from lamella.assembly.product import SkewProduct, matrix_free
 from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError
@@ -31,8 +31,8 @@ class Equations:
 
     Args:
         model: the compiled model.
-        symmetric: store the upper triangle only; by default when every block allows it. The symmetric part of a ``nearly``
-            symmetric block is then used by Newton; ``symmetric=False`` gives the exact matrix.
+        symmetric: store the upper triangle only; by default when every block allows it. Newton then uses the symmetric part of
+            a ``nearly`` symmetric block, or what comes near to it; ``symmetric=False`` gives the exact matrix.
         like: the equations of a model that differs by little, whose unknowns are to be those of this one as well: the same
             independent coordinates, and multipliers of the same rows.
     """
@@ -46,19 +46,23 @@ class Equations:
         """Number of independent coordinates of motion, which come first; the others are those of scalar fields."""
         T = self.elimination.T
         known = like if like is not None and T is like.elimination.T else None
-        self.forces = ForceSum(model.forces, model.n_q, T, None if known is None else known.forces)
-        self.loads = ForceSum(model.loads, model.n_q, T, None if known is None else known.loads)
+        blocks = (*model.forces, *model.loads)
+        self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
+        free = matrix_free(model.forces, model.loads)
+        self.multiplies = free is not None
+        """Whether products with the tangents of all forces are cheap beside the matrix."""
+        forces, like_forces, like_loads = model.forces, known and known.forces, known and known.loads
+        self.forces = ForceSum(free if free and self.symmetric else forces, model.n_q, T, like_forces)
+        self.loads = ForceSum(model.loads, model.n_q, T, like_loads)
         self.mass = Mass(model, T, None if known is None else known.mass)
         self.constraints = ConstraintStack(model.constraints)
         self.notes: list[str] = list(model.notes)
         """What the user should know about the equations."""
         self.redundant: list[Redundancy] = []
         """Rows with multipliers that are left out and must be watched."""
-        blocks = (*model.forces, *model.loads)
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
-        self.symmetric = all(block.symmetry != "none" for block in blocks) if symmetric is None else symmetric
         self.expand = known.expand if known else SumOperator.of(T)
-        self._gather = known._gather if known else self.expand.transposed(self.n_u)
+        self.gather = known.gather if known else self.expand.transposed(self.n_u)
         self._fixed = self.elimination.particular(self.elimination.constant)
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = Recent(), Recent()
@@ -124,7 +128,9 @@ class Equations:
     @cached_property
     def matrix(self) -> MatrixAssembly:
         """The assembly of matrices; made when first needed."""
-        return MatrixAssembly(self.model, self.constraints, self.elimination.T, self.elimination.independent, self.symmetric)
+        forces = [block for block, _ in self.forces.parts]
+        T, independent = self.elimination.T, self.elimination.independent
+        return MatrixAssembly(self.model, self.constraints, T, independent, self.symmetric, forces)
 
     def start(self, t: float = 0.0, *, factor: float = 1.0, at_rest: bool = False) -> Point:
         """The reference configuration with the initial velocities (none at rest); supports take precedence over both."""
@@ -157,9 +163,9 @@ class Equations:
 
     def _carried_at(self, t: float) -> Floats:
         """Inertia forces due to the accelerations of supports, shape (n_u,)."""
-        return self._carried.get(t, lambda: self._gather(self.mass.in_all(self._source(self.elimination.accelerations(t)))))
+        return self._carried.get(t, lambda: self.gather(self.mass.in_all(self._source(self.elimination.accelerations(t)))))
 
-    def _force_velocities(self, point: Point) -> Floats:
+    def force_velocities(self, point: Point) -> Floats:
         """Velocities where a force asks for them, else zeros, which cost nothing."""
         return self.velocities(point) if self.depends_on_velocity else self._at_rest
 
@@ -175,7 +181,7 @@ class Equations:
 
     def residual(self, point: Point) -> tuple[Floats, Floats]:
         """r (n_u,) and Phi (n_lam,)."""
-        q, v = self.coordinates(point), self._force_velocities(point)
+        q, v = self.coordinates(point), self.force_velocities(point)
         self.forces.evaluate(point.t, q, v)
         self.loads.evaluate(point.t, q, v)
         return self._reduced(point, q)
@@ -188,7 +194,7 @@ class Equations:
             weights: how the unknown moves q, v and a.
             previous: coordinates q of Newton's previous iterate; see :class:`lamella.roles.ForceBlock`.
         """
-        q, v = self.coordinates(point), self._force_velocities(point)
+        q, v = self.coordinates(point), self.force_velocities(point)
         k, j = self.matrix.values(self.forces, self.loads, point, q, v, weights, q if previous is None else previous)
         r, phi = self._reduced(point, q)
         return r, phi, k, j
@@ -196,11 +202,11 @@ class Equations:
     def exact_matrix(self, point: Point, weights: Weights) -> tuple[Floats, Floats]:
         """The values of the two matrices alone, as :meth:`linearise` gives them at ``previous = q``."""
         q = self.coordinates(point)
-        return self.matrix.values(self.forces, self.loads, point, q, self._force_velocities(point), weights, q)
+        return self.matrix.values(self.forces, self.loads, point, q, self.force_velocities(point), weights, q)
 
     @property
     def is_exact(self) -> bool:
-        """Whether :meth:`exact_matrix` is the exact matrix; else it is the symmetric part, and :meth:`skew_part` is left out."""
+        """Whether :meth:`exact_matrix` is the exact matrix; else it is a symmetric one near it."""
         return not self.symmetric or all(block.symmetry == "symmetric" for block in (*self.model.forces, *self.model.loads))
 
     @cached_property
@@ -208,7 +214,7 @@ class Equations:
         return SkewProduct(self.matrix)
 
     def skew_part(self) -> SkewProduct:
-        """The product with what the matrix evaluated last leaves out, its skew part; to be used before the next evaluation."""
+        """The product with the skew part of what was evaluated last, which a symmetric matrix leaves out; before the next one."""
         self._skew.look()
         return self._skew
 
@@ -274,12 +280,12 @@ class Equations:
     def inertia_force(self, udd: Floats) -> Floats:
         """T^T M T udd, shape (n_u,)."""
         whole = self.mass.in_independent
-        return whole(udd) if whole else self._gather(self.mass.in_all(self.expand(udd)))
+        return whole(udd) if whole else self.gather(self.mass.in_all(self.expand(udd)))
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""
         if not self.elimination.moves:
-            return self._gather(self.loads(point.t, self.coordinates(point), self.velocities(point)))
+            return self.gather(self.loads(point.t, self.coordinates(point), self.velocities(point)))
         # By difference: an exact derivative would need the columns of K that belong to eliminated coordinates.
         step, ahead = 1e-7, point.copy()
         ahead.factor += step
@@ -331,5 +337,5 @@ class Equations:
             unreduced = np.zeros(self.model.n_q) if unreduced is None else unreduced
             self.constraints.add_force(point.t, q, point.lam, unreduced)
         if unreduced is not None:
-            self._gather.onto(unreduced, r)
+            self.gather.onto(unreduced, r)
         return r, self.constraints.phi(point.t, q) if self.n_lam else NOTHING

@@ -96,6 +96,10 @@ class ForceSum:
             self._in_all = self._sum(self.buffer)
         return self._in_all
 
+    def written(self) -> None:
+        """Take note that others have written to the buffer."""
+        self._filled(np.nan)
+
     def reduced(self) -> Floats:
         """T^T times the sum of what the buffer holds now, shape (n_u,); not to be written to."""
         if self._in_independent is None:

@@ -41,13 +41,21 @@ class MatrixAssembly:
         T: map from independent to all coordinates, (n_q, n_u).
         independent: the independent ones among all coordinates, shape (n_u,).
         symmetric: keep the upper triangle only.
+        forces: the model's force blocks in other forms.
     """
 
     def __init__(
-        self, model: Model, constraints: ConstraintStack, T: sparse.csr_array, independent: Ints, symmetric: bool
+        self,
+        model: Model,
+        constraints: ConstraintStack,
+        T: sparse.csr_array,
+        independent: Ints,
+        symmetric: bool,
+        forces: Sequence[ForceBlock] | None = None,
     ) -> None:
         self.model, self.constraints, self._T, self._symmetric = model, constraints, T, symmetric
-        blocks, followed = (*model.forces, *model.loads, *model.constraints), Followed(T)
+        blocks = (*(model.forces if forces is None else forces), *model.loads, *model.constraints)
+        followed = Followed(T)
         lists, ends = [], [0]
         for block in blocks:
             found, n_k = _listed(block, symmetric, T, followed)

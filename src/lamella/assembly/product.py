@@ -2,61 +2,112 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from lamella._jit import kernel
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.matrix import MatrixAssembly
+from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Point, Weights
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
 from lamella.model import Model
-from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints
+from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, MatrixFreeBlock
 
 Unsigned = NDArray[np.uint32]
 
 
+LISTED = 4096
+"""Entries of tangents that are multiplied one by one, at a nanosecond each, as long as no other product is worth its name."""
+
+
+def matrix_free(forces: Sequence[ForceBlock], loads: Sequence[ForceBlock]) -> list[ForceBlock] | None:
+    """The force blocks in forms that multiply their tangents; None where the others, and loads, have more than few entries."""
+    found, listed = [block.symmetric_form or block for block in forces], 0
+    for block in (*found, *loads):
+        if not isinstance(block, MatrixFreeBlock):
+            listed += len(block.k_rows)
+            if listed > LISTED:
+                return None
+    return found
+
+
 class TangentProduct:
-    """(alpha_q K + alpha_v D) x at the point looked at last, entry by entry of the blocks' tangent buffers.
+    """(alpha_q K + alpha_v D) x at the point looked at last: by the blocks that multiply, of others entry by entry.
 
     A matrix in all coordinates would have to be laid out first, which costs as much as some hundred products.
 
     Args:
         model: the compiled model.
-        forces, loads: the force buffers, which are filled on the way.
+        forces, loads: the blocks.
         constraints: the constraints, with the rows that are kept.
+        T: map from independent to all coordinates, (n_q, n_u), for :meth:`reduced`.
     """
 
-    def __init__(self, model: Model, forces: ForceSum, loads: ForceSum, constraints: ConstraintStack) -> None:
-        self._sums, self._constraints = (forces, loads), constraints
-        self._of_sums = [[(block, _Entries(block)) for block, _ in summed.parts] for summed in self._sums]
+    def __init__(
+        self,
+        model: Model,
+        forces: ForceSum,
+        loads: ForceSum,
+        constraints: ConstraintStack,
+        T: sparse.csr_array | None = None,
+    ) -> None:
+        self._constraints = constraints
+        self._free = [block for block, _ in forces.parts if isinstance(block, MatrixFreeBlock)]
+        self._sum = ForceSum(self._free, model.n_q, T, None if T is None else forces)
+        self._listed = [
+            [(block, _Entries(block)) for block, _ in summed.parts if block not in self._free and len(block.k_rows)]
+            for summed in (forces, loads)
+        ]
         self._curvatures = [(block, _Entries(block)) for block in model.constraints]
+        self._entries = [entries for _, entries in chain(*self._listed, self._curvatures) if len(entries.k)]
 
     def look(self, point: Point, q: Floats, v: Floats, weights: Weights) -> None:
-        """Evaluate the tangents.
+        """Evaluate the tangents that are listed.
 
         Args:
             point: where.
             q, v: its coordinates and velocities.
             weights: how the unknown moves coordinates and velocities.
         """
-        for summed, parts, factor in zip(self._sums, self._of_sums, (1.0, point.factor), strict=True):
-            summed.linearise(point.t, q, v, weights, q, [entries.k for _, entries in parts])
+        self._at = point.t, q, v, weights.alpha_q, weights.alpha_v
+        for parts, factor in zip(self._listed, (1.0, point.factor), strict=True):
             for block, entries in parts:
+                alpha_v = weights.rate if block.first_order else weights.alpha_v
+                block.force_tangent(point.t, q, v, weights.alpha_q, alpha_v, q, np.empty(len(block.f_coords)), entries.k)
                 entries.k *= factor * entries.scale
                 _clear_unused(block, entries.k)
-        lam = self._constraints.full(point.lam)
-        for block, entries in self._curvatures:
-            block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], entries.k)
-            entries.k *= weights.alpha_q
+        if self._curvatures:
+            lam = self._constraints.full(point.lam)
+            for block, entries in self._curvatures:
+                block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], entries.k)
+                entries.k *= weights.alpha_q
 
     def __call__(self, x: Floats) -> Floats:
         """The product with a vector in all coordinates, shape (n_q,)."""
-        y = np.zeros_like(x)
-        for _, entries in chain(*self._of_sums, self._curvatures):
+        self._multiply(x)
+        return self._add_listed(x, self._sum.summed())
+
+    def reduced(self, x: Floats, gather: SumOperator) -> Floats:
+        """T^T times the product with a vector in all coordinates, shape (n_u,); ``gather`` is the product with T^T."""
+        self._multiply(x)
+        y = self._sum.reduced()
+        return gather.onto(self._add_listed(x, np.zeros_like(x)), y) if self._entries else y
+
+    def _multiply(self, x: Floats) -> None:
+        """Fill the buffer with the products of the blocks that multiply."""
+        for block, part in self._sum.parts:
+            assert isinstance(block, MatrixFreeBlock)
+            block.tangent_product(*self._at, x, part)
+        self._sum.written()
+
+    def _add_listed(self, x: Floats, y: Floats) -> Floats:
+        for entries in self._entries:
             _add_product(entries.rows, entries.cols, entries.k, entries.mirrored, x, y)
         return y
 

@@ -1,14 +1,16 @@
-"""The exact matrix at a solution: its symmetric part factorised, its skew part by conjugate residuals."""
+"""The exact matrix at a solution: a matrix near it factorised, and what that lacks by conjugate residuals."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
-from lamella._jit import inner, kernel
+from lamella._jit import inner, kernel, njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
+from lamella.assembly.product import TangentProduct
 from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
@@ -18,56 +20,80 @@ ENOUGH = 1e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further. The differences on the right-hand
 side leave as much; 1e-9 already leaves 2e-7 of an output of a motion, 1e-10 some 1e-8."""
 MOST = 24
-"""Products beyond which a factorisation L U costs less."""
+"""Products of a solution beyond which a new factorisation costs less."""
+WORTH, WORTH_OF_LARGE, LARGE = 1, 6, 1000
+"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix, from which Newton's method
+gains too; and that number for matrices that are exact, with so many unknowns or more, whose factorisation costs most."""
 
 
 class ExactMatrix:
-    """The exact matrix of the equations at a point, factorised.
+    """The exact matrix A of the equations at a point, by a factorisation of a matrix B near it.
 
-    Where the equations keep the symmetric part B of A = B + N, it is B that is factorised, and
+    B is what the equations keep: A itself, a symmetric matrix near it, or that of an earlier point. Where it is not A,
 
-        (I + B^-1 N) x = B^-1 b
+        B^-1 A x = B^-1 b
 
-    is solved by the method of generalised conjugate residuals. As N is skew, the eigenvalues lie on a line through 1: a damped
-    plate takes three to seven products, be the damping weak or strong. What they tell of the matrix serves all right-hand sides.
-    At rest a damper has no N, and one product tells. To lay out A takes as long as hundreds of substitutions: it is factorised
-    only where ``MOST`` products are not enough, and from then on.
+    is solved by the method of generalised conjugate residuals. What products tell of A at a point serves all right-hand sides.
+    To lay out an unsymmetric A takes as long as hundreds of substitutions: it is factorised only where ``MOST`` products are not
+    enough, and from then on.
 
     Args:
         equations: of the model.
         linear: a solver of the equations' pattern that may be used; one is made when left out.
 
+    Attributes:
+        renewed: values of the matrix that was factorised for the present point, in the pattern's order; None where the one that
+            the solver held serves.
+
     Source: S. C. Eisenstat, H. C. Elman, M. H. Schultz, SIAM J. Numer. Anal. 20 (1983) 345-357, algorithm GCR; with B the
-    symmetric part, P. Concus, G. H. Golub, Lecture Notes in Economics and Math. Systems 134 (1976) 56-65.
+    symmetric part of A, P. Concus, G. H. Golub, Lecture Notes in Economics and Math. Systems 134 (1976) 56-65.
     """
 
     def __init__(self, equations: Equations, linear: LinearSolver | None = None) -> None:
         self.equations = equations
         self.linear = linear or linear_solver(equations.matrix.pattern)
+        self.renewed: Floats | None = None
         self._per_magnitude = 1.0 / equations.magnitude
         self._unsymmetric: ExactMatrix | None = None
-        self._skew: Callable[[Floats], Floats] | None = None
-        self._known = 0
-        self._directions, self._images = np.zeros((2, 0 if equations.is_exact else MOST, equations.n_u + equations.n_lam))
+        self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
+        self._known = self._spent = self._least = 0
+        self._directions, self._images = np.zeros((2, 0, equations.n_u + equations.n_lam))
+        self._worth = WORTH_OF_LARGE if equations.is_exact and equations.n_u >= LARGE else WORTH
+        self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
 
-    def factorise(self, point: Point, weights: Weights) -> Floats:
-        """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints; the values of the matrix in the pattern's order.
+    def factorise(self, point: Point, weights: Weights) -> None:
+        """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints at a point.
 
         What is solved next must be solved before the equations' matrix is evaluated anew.
 
         Raises:
             ModelError: it is singular, so that the solution is not differentiable.
         """
-        self._at, self._skew, self._known = (point, weights), None, 0
-        k, j = self.equations.exact_matrix(point, weights)
+        self._begin(point, weights)
+        self.renewed, j = self.equations.exact_matrix(point, weights)
         try:
-            self.linear.factorise(k, j)
+            self.linear.factorise(self.renewed, j)
         except SingularSystemError as error:
             what = str(error) if error.index is None else self.equations.free(error.index)
             raise ModelError(f"gradient: the matrix of the solution is singular, so that it has no derivative: {what}") from error
         if self._unsymmetric is not None:
             self._unsymmetric.factorise(point, weights)
-        return k
+
+    def follow(self, point: Point, weights: Weights) -> None:
+        """Go to a point with the factorisation that the solver holds of one before, or with a new one where that pays.
+
+        Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
+        """
+        if self._outlasts and (self.renewed is not None or self._spent <= self._least + self._worth):
+            self._begin(point, weights)
+        else:
+            self.factorise(point, weights)
+
+    def _begin(self, point: Point, weights: Weights) -> None:
+        if self.renewed is not None:
+            self._least = self._spent
+        self._at, self._residual, self.renewed = (point, weights), None, None
+        self._known = self._spent = 0
 
     def solve(self, r: Floats, s: Floats, guess: Floats | None = None) -> tuple[Floats, Floats]:
         """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for.
@@ -78,14 +104,18 @@ class ExactMatrix:
         """
         if self._unsymmetric is not None:
             return self._unsymmetric.solve(r, s)
-        if self.equations.is_exact:
+        if self.equations.is_exact and self.renewed is not None:
             return self.linear.solve(-r, -s)
-        z, rest = np.zeros(len(r) + len(s)), r
-        if guess is not None:
+        z = np.zeros(len(r) + len(s))
+        if guess is None:
+            left = np.concatenate(self.linear.solve(-r, -s))
+        else:
             z[: len(r)] = guess
-            rest = r + self._product(guess)
-        left = np.concatenate(self.linear.solve(-rest, -s)) - z
+            left = self._lacking(r, s, z)
+        if not len(self._directions):
+            self._directions, self._images = np.zeros((2, MOST, len(z)))
         done = learnt = 0
+        nothing = np.zeros_like(r), np.zeros_like(s)
         while True:
             lacking = _improve(z, left, done, self._known, self._directions, self._images, self._per_magnitude)
             if lacking <= ENOUGH:
@@ -96,33 +126,80 @@ class ExactMatrix:
             if self._known == MOST:
                 self._known = 0
             done = self._known
-            change = self.linear.solve(self._product(left[: len(r)]), np.zeros(len(s)))
-            _learn(left, *change, done, self._directions, self._images, self._per_magnitude)
+            image = self._lacking(*nothing, left)
+            _learn(left, image, done, self._directions, self._images, self._per_magnitude)
             self._known += 1
             learnt += 1
-        self._unsymmetric = ExactMatrix(exact(self.equations))
-        self._unsymmetric.factorise(*self._at)
-        return self._unsymmetric.solve(r, s)
+        if self.renewed is None:
+            self.factorise(*self._at)
+        else:
+            self._unsymmetric = ExactMatrix(exact(self.equations))
+            self._unsymmetric.factorise(*self._at)
+        return self.solve(r, s, guess)
 
     def stiffness(self, point: Point) -> Callable[[Floats], Floats]:
         """The product with K at a point; to be used before the equations' matrix is evaluated anew."""
         equations = self.equations
+        if equations.multiplies:
+            return self.product(point, STATIC)
         K = equations.matrix.pattern.matrix(equations.exact_matrix(point, STATIC)[0].copy())
         if equations.is_exact:
             return lambda x: K @ x
         skew = equations.skew_part()
         return lambda x: K @ x + skew(x)
 
-    def _product(self, x: Floats) -> Floats:
-        """N x."""
-        if self._skew is None:
-            self._skew = self.equations.skew_part()
-        return self._skew(x)
+    @cached_property
+    def _tangents(self) -> TangentProduct:
+        of = self.equations
+        return TangentProduct(of.model, of.forces, of.loads, of.constraints, of.elimination.T)
+
+    def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
+        """The product of the exact matrix at a point with changes of the unknowns, to be used before the next is asked for."""
+        of, tangents, alpha_a = self.equations, self._tangents, weights.alpha_a
+        tangents.look(point, of.coordinates(point), of.force_velocities(point), weights)
+
+        def times(x: Floats) -> Floats:
+            y = tangents.reduced(of.expand(x), of.gather)
+            return y + alpha_a * of.inertia_force(x) if alpha_a else y
+
+        return times
+
+    def _lacking(self, r: Floats, s: Floats, z: Floats) -> Floats:
+        """-B^-1 ((r, s) + A z)."""
+        if self._residual is None:
+            self._residual = self._by_products() if self.equations.multiplies else self._by_skew_part()
+        self._spent += 1
+        return self._residual(r, s, z)
+
+    def _by_products(self) -> Callable[[Floats, Floats, Floats], Floats]:
+        n, times = self.equations.n_u, self.product(*self._at)
+        if not self.equations.n_lam:
+            return lambda r, s, z: self.linear.solve(_negative_sum(r, times(z)), s)[0]
+        J = self.equations.jacobian(self._at[0])
+
+        def lacking(r: Floats, s: Floats, z: Floats) -> Floats:
+            x, y = z[:n], z[n:]
+            return np.concatenate(self.linear.solve(-(r + times(x) + J.T @ y), -(s + J @ x)))
+
+        return lacking
+
+    def _by_skew_part(self) -> Callable[[Floats, Floats, Floats], Floats]:
+        """As the matrix at hand is the symmetric part of A."""
+        n, skew = self.equations.n_u, self.equations.skew_part()
+        return lambda r, s, z: np.concatenate(self.linear.solve(-(r + skew(z[:n])), -s)) - z
 
 
 def exact(equations: Equations) -> Equations:
     """The same equations with their exact matrix: unsymmetric where a block is only nearly symmetric."""
     return equations if equations.is_exact else Equations(equations.model, symmetric=False, like=equations)
+
+
+@njit
+def _negative_sum(x: Floats, y: Floats) -> Floats:
+    z = np.empty_like(x)
+    for i in range(len(x)):
+        z[i] = -(x[i] + y[i])
+    return z
 
 
 @kernel
@@ -143,14 +220,12 @@ def _improve(
 
 
 @kernel
-def _learn(
-    left: Floats, x: Floats, y: Floats, k: int, directions: Floats, images: Floats, per_magnitude: Floats
-) -> None:  # fmt: skip
-    """Keep the direction left with its image left + (x, y), made orthogonal to those of the k before and of length 1."""
+def _learn(left: Floats, lacking: Floats, k: int, directions: Floats, images: Floats, per_magnitude: Floats) -> None:
+    """Keep the direction left with its image -lacking, made orthogonal to those of the k before and of length 1."""
     p, image = directions[k], images[k]
     for i in range(len(left)):
         p[i] = left[i]
-        image[i] = left[i] + (x[i] if i < len(x) else y[i - len(x)])
+        image[i] = -lacking[i]
     for before in range(k):
         share = _scalar_product(images[before], image, per_magnitude)
         for i in range(len(left)):

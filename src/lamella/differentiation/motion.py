@@ -98,10 +98,11 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
 
         A du' + J^T dlam' = -(dr/dp at u' + D dv0 + M da0),    J du' = -dPhi/dp,    A = K + alpha_v D + alpha_a M
 
-    with the exact matrix A at u', factorised once for all parameters, and the right-hand side by central differences of
-    residuals at u' (:func:`~lamella.differentiation.solution.residual_difference`). Steps keep the lengths that they have. The
-    next step begins with that factorisation: it takes fewer iterations and hardly a matrix of its own, which pays for a part of
-    what the derivatives cost.
+    with the exact matrix A at u', for all parameters by one factorisation, that of the step or of one before
+    (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at
+    u' (:func:`~lamella.differentiation.solution.residual_difference`). Steps keep the lengths that they have. Newton's method
+    goes on with that factorisation: it takes fewer iterations and hardly a matrix of its own, which pays for a part of what the
+    derivatives cost.
     """
 
     def __init__(self, made: DifferentiatedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
@@ -111,7 +112,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
-        self.matrix, self._adopt = ExactMatrix(equations, self.linear), newton.adopt
+        self.matrix = ExactMatrix(equations, newton.linear)
+        self._adopt, self._turn_to = newton.adopt, newton.turn_to
         newton.patience = int(self.linear.pattern.symmetric)  # with secants; a matrix of its own would serve one step alone
         self.derivatives: list[PointDerivative] = []
 
@@ -143,7 +145,10 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        self._adopt(self.matrix.factorise(point, weights), point, weights)
+        if self._turn_to(point, weights):
+            self.matrix.follow(point, weights)
+        else:
+            self.matrix.factorise(point, weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
         shares = (
             dt,
@@ -170,6 +175,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             if n < len(a):
                 rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
             self.derivatives[k] = new
+        if self.matrix.renewed is not None:
+            self._adopt(self.matrix.renewed, point, weights)
         self._take_note(point)
         return point
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lamella._jit import kernel, njit
 from lamella.assembly.point import STATIC, Point
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours, Side
@@ -46,13 +47,30 @@ def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative
     """
     r, phi = np.zeros_like(point.u), np.zeros_like(point.lam)
     for side in neighbours.sides:
-        there = point
+        there, equations = point, side.equations
         if x is not None:
-            ud = point.ud + side.distance * x.ud if side.equations.depends_on_velocity else point.ud
-            there = Point(point.t, point.u, ud, point.udd + side.distance * x.udd, point.lam, point.factor)
-        for total, part in zip((r, phi), side.equations.residual(there), strict=True):
-            total += side.weight * part
+            ud = _moved(point.ud, side.distance, x.ud) if equations.depends_on_velocity else point.ud
+            there = Point(point.t, point.u, ud, _moved(point.udd, side.distance, x.udd), point.lam, point.factor)
+        of_forces, of_constraints = equations.residual(there)
+        _add(side.weight, of_forces, r)
+        if len(phi):
+            phi += side.weight * of_constraints
     return r, phi
+
+
+@njit
+def _moved(x: Floats, distance: float, along: Floats) -> Floats:
+    """x + distance along."""
+    moved = np.empty_like(x)
+    for i in range(len(x)):
+        moved[i] = x[i] + distance * along[i]
+    return moved
+
+
+@kernel
+def _add(weight: float, part: Floats, total: Floats) -> None:
+    for i in range(len(total)):
+        total[i] += weight * part[i]
 
 
 def static_derivatives(matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours]) -> list[PointDerivative]:

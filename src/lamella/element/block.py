@@ -97,17 +97,25 @@ class ElementBlock(ForceBlock):
     @property
     def k_rows(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Global coordinate of the row of each entry of the tangent buffer, shape (n_k,)."""
-        return self._of_entries(self._targets, self.rows)
+        return self.targets_of(self.rows)
 
     @property
     def k_cols(self) -> Ints:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The same of its column."""
-        return self._of_entries(self._targets, self.columns)
+        return self.targets_of(self.columns)
 
     @property
     def k_scale(self) -> Floats:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Factor of each entry, shape (n_k,)."""
-        return self._of_entries(self._scale, self.rows) * self._of_entries(self._scale, self.columns)
+        return self.scale_of(self.rows, self.columns)
+
+    def targets_of(self, places: Ints) -> Ints:
+        """Global coordinates of rows or columns of element matrices, packed."""
+        return self._of_entries(self._targets, places)
+
+    def scale_of(self, rows: Ints, columns: Ints) -> Floats:
+        """Factors of entries of element matrices, packed."""
+        return self._of_entries(self._scale, rows) * self._of_entries(self._scale, columns)
 
     def _of_entries(self, table: NDArray[Number], places: Ints) -> NDArray[Number]:
         """Of a packed table of the element's coordinates, the numbers at some places, packed as well."""

@@ -18,7 +18,7 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.broyden import BroydenCorrections
 from lamella.solve.secant import SecantCorrections
-from lamella.solve.turned import TurnedSolver, Vectors
+from lamella.solve.turned import Vectors, turned_solver
 from lamella.units import Positive
 
 ROUNDING = 1e-9
@@ -119,7 +119,7 @@ class NewtonSolver:
         self, equations: Residual, linear: LinearSolver, options: Newton, statistics: Statistics, vectors: Vectors | None = None
     ) -> None:
         self.equations, self.options, self.statistics = equations, options, statistics
-        self._turned = None if vectors is None or not len(vectors.slopes) else TurnedSolver(linear, vectors)
+        self._turned = vectors and turned_solver(linear, vectors)
         self.linear = linear = self._turned or linear
         self._factored_for: Weights | None = None
         self._age, self._short_lived = 0, False
@@ -137,8 +137,7 @@ class NewtonSolver:
 
     def forget(self) -> None:
         """Go on as a new solver: without the present factorisation, and without what earlier ones have told."""
-        self._drop()
-        self._short_lived = False
+        self._factored_for, self._short_lived = None, False
 
     def _drop(self) -> None:
         self._factored_for = None
@@ -158,8 +157,7 @@ class NewtonSolver:
         self._age += 1
         self._slow = 0
         held = held and self.options.line_search != "residual"  # which asks for the diagonal of the matrix as well
-        if self._turned is not None and self._factored_for == weights:
-            self._turned.turn(point.u)
+        self.turn_to(point, weights)
         iteration, renewed = 0, False
         for iteration in range(self.options.max_iterations):
             fresh = held or self._factored_for != weights
@@ -225,11 +223,9 @@ class NewtonSolver:
 
     def _promising(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the present factorisation contracts well enough to end the iteration soon, or is given time."""
-        if contraction <= self.options.keep and size * contraction**PATIENCE <= goal:
-            self._slow = 0
-            return True
-        self._slow += 1
-        return self._slow <= self.patience and contraction < GROWTH
+        well = contraction <= self.options.keep and size * contraction**PATIENCE <= goal
+        self._slow = 0 if well else self._slow + 1
+        return well or (self._slow <= self.patience and contraction < GROWTH)
 
     def _small_enough(self, size: float, contraction: float, goal: float) -> bool:
         """Whether the estimated error is within the tolerance, or the correction is rounding, which shrinks no further."""
@@ -270,8 +266,15 @@ class NewtonSolver:
 
     def _made(self, point: Point, weights: Weights) -> None:
         self._factored_for, self._age = weights, 0
-        if self._turned is not None:
+        if self._turned:
             self._turned.made_at(point.u)
+
+    def turn_to(self, point: Point, weights: Weights) -> bool:
+        """Whether ``linear`` holds a factorisation for these weights that contracts well; it is turned to ``point`` then."""
+        held = self._factored_for == weights
+        if held and self._turned:
+            self._turned.turn(point.u)
+        return held
 
     def _free(self, error: SingularSystemError) -> str:
         """What is free, in words."""

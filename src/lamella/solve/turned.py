@@ -10,6 +10,7 @@ import numpy as np
 from lamella._jit import kernel
 from lamella.roles import Floats, Ints
 from lamella.solve.base import LinearSolver
+from lamella.solve.turned_nodes import Nodes, NodeTurnedSolver
 
 if TYPE_CHECKING:
     from lamella.assembly.equations import Equations
@@ -31,6 +32,7 @@ class Vectors:
     Attributes:
         rows: the independent coordinates of each vector, -1 where a component depends on others or is held, shape (n, 3).
         slopes: those of vectors that are whole and no positions, shape (m, 3).
+        nodes: those of plates, each of which turns by itself; None where constraints have multipliers, which turn with no node.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -40,6 +42,14 @@ class Vectors:
         self.rows[place, component] = np.arange(len(vector))
         whole = np.all(self.rows >= 0, axis=1)
         self.slopes: Ints = self.rows[whole & ~equations.model.is_position[chosen]]
+        self.nodes = None if equations.n_lam else Nodes(equations)
+
+
+def turned_solver(linear: LinearSolver, vectors: Vectors) -> TurnedSolver | NodeTurnedSolver | None:
+    """The solver with a factorisation that turns along, None where nothing turns."""
+    if vectors.nodes is not None and len(vectors.nodes.slopes):
+        return NodeTurnedSolver(linear, vectors.nodes)
+    return TurnedSolver(linear, vectors) if len(vectors.slopes) else None
 
 
 class TurnedSolver(LinearSolver):

@@ -121,7 +121,7 @@ def _store_row(
 
 
 @inlined
-def _dual_rate(d: Vector, v: Any, d1: Vector, d2: Vector, m: Vector, normal: Vector) -> Vector:
+def dual_rate(d: Vector, v: Any, d1: Vector, d2: Vector, m: Vector, normal: Vector) -> Vector:
     """Rate of a dual vector d, - (d . rdot_x) d1 - (d . rdot_y) d2 - (d . mdot / m.m) m."""
     return combined3(-dot(d, v[0]), d1, -dot(d, v[1]), d2, -dot(d, normal), m)
 
@@ -137,7 +137,7 @@ def _store_rate_rows(
     rates2 = _christoffel_rates(d2, gamma1, gamma2, b, v, normal)
     gammas = (gamma1, gamma2, rates1, rates2)
     b_rate = combined(1.0, _projected(v, m), 1.0, _projected(g, m_rate))
-    duals = (b, b_rate, d1, d2, _dual_rate(d1, v, d1, d2, m, normal), _dual_rate(d2, v, d1, d2, m, normal))
+    duals = (b, b_rate, d1, d2, dual_rate(d1, v, d1, d2, m, normal), dual_rate(d2, v, d1, d2, m, normal))
     _store_row((c[0], c[1], c[2], c[3], c[4], c[5]), v, m, m_rate, gammas, duals, work, at, cubed)
     _store_row((c[1], c[6], c[7], c[8], c[9], c[10]), v, m, m_rate, gammas, duals, work, at + 15, cubed)
     _store_row((c[2], c[7], c[11], c[12], c[13], c[14]), v, m, m_rate, gammas, duals, work, at + 30, cubed)
@@ -148,7 +148,8 @@ def _store_rate_rows(
 
 
 @inlined
-def _scaled21(a: float, c: Any) -> Any:
+def scaled21(a: float, c: Any) -> Any:
+    """``a`` times the 21 entries of a stiffness."""
     return (
         a * c[0], a * c[1], a * c[2], a * c[3], a * c[4], a * c[5], a * c[6], a * c[7], a * c[8], a * c[9], a * c[10],
         a * c[11], a * c[12], a * c[13], a * c[14], a * c[15], a * c[16], a * c[17], a * c[18], a * c[19], a * c[20],
@@ -195,7 +196,7 @@ def _merge_pair(work: Floats, small: int, rates: int, symmetric: int, target: in
 
 
 @inlined
-def _gather_both(q: Floats, v: Floats, index: Ints, scale: Floats, block: int, table: Floats, n: int, work: Floats) -> None:
+def gather_both(q: Floats, v: Floats, index: Ints, scale: Floats, block: int, table: Floats, n: int, work: Floats) -> None:
     """Lines of the positions at lane 48 of work and of the velocities behind them."""
     gather(q, index, scale, block, work, 0)
     interpolate_eta(work, 0, 48, table, n)
@@ -204,7 +205,8 @@ def _gather_both(q: Floats, v: Floats, index: Ints, scale: Floats, block: int, t
 
 
 @inlined
-def _weighted6(a: float, s: tuple[Any, ...], b: float, r: tuple[Any, ...]) -> tuple[Any, ...]:
+def weighted6(a: float, s: tuple[Any, ...], b: float, r: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Sum a s + b r of six strains or resultants."""
     return (
         a * s[0] + b * r[0], a * s[1] + b * r[1], a * s[2] + b * r[2],
         a * s[3] + b * r[3], a * s[4] + b * r[4], a * s[5] + b * r[5],
@@ -233,7 +235,7 @@ def viscous_force(
     """
     lines, rates, sums = 48, 48 + 36 * n, 48 + 72 * n
     for block in range(index.size // (48 * WIDTH)):
-        _gather_both(q, v, index, scale, block, table, n, work)
+        gather_both(q, v, index, scale, block, table, n, work)
         total = spread(0.0)
         for j in range(n):
             for i in range(n):
@@ -244,9 +246,9 @@ def viscous_force(
                 c = stiffness(sections, at)
                 res = resultants(c, s_rate)
                 total = total + 2.0 * time * energy_density(res, s_rate)
-                res = _weighted6(time, res, 0.0, res)
+                res = weighted6(time, res, 0.0, res)
                 if elastic:
-                    res = _weighted6(1.0, res, 1.0, resultants(c, strains(g, m, reference(sections, at))))
+                    res = weighted6(1.0, res, 1.0, resultants(c, strains(g, m, reference(sections, at))))
                 spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)
         store(power, block, total)
@@ -285,7 +287,7 @@ def viscous_tangent(
     hessian = partial + 144 * n
     position = 0
     for block in range(index.size // (48 * WIDTH)):
-        _gather_both(q, v, index, scale, block, table, n, work)
+        gather_both(q, v, index, scale, block, table, n, work)
         if elastic and extrapolate:
             gather(q_previous, index, scale, block, work, 0)
             interpolate_eta(work, 0, previous, table, n)
@@ -309,11 +311,11 @@ def viscous_tangent(
                 s = strain_rates(g, g_rate, m, m_rate)
                 if elastic and extrapolate:
                     g_previous = interpolate_xi(work, previous, table, i, j)
-                    s = _weighted6(1.0, s, alpha_q, extrapolated_strains(g, g_previous, reference(sections, at), cubed))
+                    s = weighted6(1.0, s, alpha_q, extrapolated_strains(g, g_previous, reference(sections, at), cubed))
                 elif elastic:
-                    s = _weighted6(1.0, s, alpha_q, strains(g, m, reference(sections, at)))
+                    s = weighted6(1.0, s, alpha_q, strains(g, m, reference(sections, at)))
                 res = resultants(c, s)
-                c = _scaled21(weight, c)
+                c = scaled21(weight, c)
                 store_hessian(work, symmetric, 25, g, m, d1, d2, c, res, cubed)
                 for pair in range(9):
                     target = hessian + ((pair * n + i) * n + j) * 25

@@ -73,6 +73,11 @@ class HeatedShellBlock(ShellBlock):
         self._heat(q)
         super().force_tangent(t, q, v, alpha_q, alpha_v, q_previous, f, k)
 
+    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
+        """alpha_q d2W/de2 x."""
+        self._heat(q)
+        super().tangent_product(t, q, v, alpha_q, alpha_v, x, f)
+
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy of s - s_T [J]."""
         self._heat(q)

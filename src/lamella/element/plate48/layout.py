@@ -15,7 +15,7 @@ from lamella.element.plate48.surface import derivatives_at_points, reference_sur
 from lamella.element.plate48.surface_kernels import N_SECTION, pack_sections
 from lamella.errors import ModelError
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Ints, MatrixFreeBlock
 
 KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
 
@@ -28,7 +28,7 @@ def seen(arguments: KernelArguments, blocks: Range) -> KernelArguments:
     return blocks.of(index), blocks.of(scale), blocks.of(sections), table, n, cubed
 
 
-class Plate48Block(ElementBlock):
+class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportIncompatibleVariableOverride]
     """Element tables of a group of Plate48 elements, packed for the kernels.
 
     Args:
