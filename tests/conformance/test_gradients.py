@@ -19,7 +19,8 @@ from lamella.differentiation.neighbours import neighbours_of
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.solve.linear import linear_solver
-from lamella.solve.turned import Vectors, turned_solver
+from lamella.solve.turned import Vectors
+from lamella.solve.turned_nodes import turned_solver
 
 TIGHT = lm.Newton(tolerance=1e-12, keep=0.0, line_search=True)
 SPAN = 1e-3

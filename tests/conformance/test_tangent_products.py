@@ -15,8 +15,8 @@ from lamella.element.plate48.shape import PLATE48
 from lamella.lane import aligned
 from lamella.solve import newton
 from lamella.solve.linear import linear_solver
-from lamella.solve.turned import TurnedSolver, Vectors, turned_solver
-from lamella.solve.turned_nodes import NodeTurnedSolver
+from lamella.solve.turned import TurnedSolver, Vectors
+from lamella.solve.turned_nodes import NodeTurnedSolver, turned_solver
 
 OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
 BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "both": SHELL.damped}

@@ -18,7 +18,8 @@ from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.broyden import BroydenCorrections
 from lamella.solve.secant import SecantCorrections
-from lamella.solve.turned import Vectors, turned_solver
+from lamella.solve.turned import Vectors
+from lamella.solve.turned_nodes import turned_solver
 from lamella.units import Positive
 
 ROUNDING = 1e-9
@@ -277,7 +278,6 @@ class NewtonSolver:
         return held
 
     def _free(self, error: SingularSystemError) -> str:
-        """What is free, in words."""
         return str(error) if error.index is None else self.equations.free(error.index)
 
     def _move(self, point: Point, weights: Weights, du: Floats, dlam: Floats) -> None:

@@ -10,10 +10,10 @@ import numpy as np
 from lamella._jit import kernel
 from lamella.roles import Floats, Ints
 from lamella.solve.base import LinearSolver
-from lamella.solve.turned_nodes import Nodes, NodeTurnedSolver
 
 if TYPE_CHECKING:
     from lamella.assembly.equations import Equations
+    from lamella.body.mesh import PlateMesh
 
 MOST_LEFT = 0.25
 """Share of the slopes' change, in squares, that a rotation may leave; a strip that bends in its first mode leaves 0.2."""
@@ -45,11 +45,44 @@ class Vectors:
         self.nodes = None if equations.n_lam else Nodes(equations)
 
 
-def turned_solver(linear: LinearSolver, vectors: Vectors) -> TurnedSolver | NodeTurnedSolver | None:
-    """The solver with a factorisation that turns along, None where nothing turns."""
-    if vectors.nodes is not None and len(vectors.nodes.slopes):
-        return NodeTurnedSolver(linear, vectors.nodes)
-    return TurnedSolver(linear, vectors) if len(vectors.slopes) else None
+class Nodes:
+    """Where the nodes of plates stand among the independent coordinates; only those with both slopes there.
+
+    Args:
+        equations: the equations of a model.
+
+    Attributes:
+        slopes: first coordinate of r_x and of r_y of each node, shape (n_node, 2).
+        places: first coordinate of each of their vectors that is whole, shape (n_vector,).
+        owners: the node of each, shape (n_vector,).
+        slenderness: L (tr A / tr D)^(1/2) of the most slender plate, with its length L, membrane stiffness A and bending
+            stiffness D: 12^(1/2) L/h of one material.
+    """
+
+    def __init__(self, equations: Equations) -> None:
+        independent = equations.elimination.independent
+        slopes, places, owners, count = [np.zeros((0, 2), np.int64)], [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], 0
+        for plate in equations.model.plates:
+            per_node = plate.element.vectors_per_node
+            coords = 3 * (plate.first + np.arange(per_node * plate.n_nodes)).reshape(-1, per_node)
+            at = np.searchsorted(independent, coords)
+            first, last = (independent[np.minimum(at + c, len(independent) - 1)] for c in (0, 2))
+            whole = (first == coords) & (last == coords + 2)
+            pair = [plate.element.vector_names.index(name) for name in ("r_x", "r_y")]
+            turning = np.all(whole[:, pair], axis=1)
+            number = count + np.cumsum(turning) - 1
+            chosen = whole & turning[:, None]
+            slopes.append(at[turning][:, pair])
+            places.append(at[chosen])
+            owners.append(np.broadcast_to(number[:, None], chosen.shape)[chosen])
+            count += int(np.count_nonzero(turning))
+        self.slenderness = max((_slenderness(plate) for plate in equations.model.plates), default=0.0)
+        self.slopes, self.places, self.owners = (np.concatenate(parts) for parts in (slopes, places, owners))
+
+
+def _slenderness(plate: PlateMesh) -> float:
+    A, D = (np.trace(plate.section.stiffness[..., part, part], axis1=-2, axis2=-1).mean() for part in (slice(3), slice(3, 6)))
+    return float(max(plate.size) * np.sqrt(A / D))
 
 
 class TurnedSolver(LinearSolver):
