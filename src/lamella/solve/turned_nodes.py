@@ -35,7 +35,7 @@ class NodeTurnedSolver(TurnedSolver):
     def __init__(self, linear: LinearSolver, vectors: Vectors, nodes: Nodes) -> None:
         super().__init__(linear, vectors)
         self._nodes, self._by_nodes, self._apart = nodes, False, APART / max(nodes.slenderness, 1.0)
-        self._start, self._frames, self._turns = np.zeros((3, len(nodes.slopes), 3, 3))
+        self._start, self._frames, self._turns, self._returns = np.zeros((4, len(nodes.slopes), 3, 3))
 
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise the matrix; see :meth:`made_at`."""
@@ -52,7 +52,9 @@ class NodeTurnedSolver(TurnedSolver):
         """Turn the factorisation, whose place is known, to the independent coordinates ``u``."""
         _frames(u, self._nodes.slopes, self._frames)
         self._by_nodes = _between(self._start, self._frames, self._turns) <= self._apart
-        if not self._by_nodes:
+        if self._by_nodes:
+            self._returns[:] = self._turns.transpose(0, 2, 1)
+        else:
             super().turn(u)
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
@@ -60,7 +62,7 @@ class NodeTurnedSolver(TurnedSolver):
         if not self._by_nodes:
             return super().solve(r, s)
         there, x = np.empty_like(r), np.empty_like(r)
-        _turn_back(self._turns, self._nodes.places, self._nodes.owners, r, there)
+        _turn(self._returns, self._nodes.places, self._nodes.owners, r, there)
         found, y = self.linear.solve(there, s)
         _turn(self._turns, self._nodes.places, self._nodes.owners, found, x)
         return x, y
@@ -111,13 +113,3 @@ def _turn(turns: Floats, places: Ints, owners: Ints, x: Floats, y: Floats) -> No
         i, n = places[k], owners[k]
         for c in range(3):
             y[i + c] = turns[n, c, 0] * x[i] + turns[n, c, 1] * x[i + 1] + turns[n, c, 2] * x[i + 2]
-
-
-@kernel
-def _turn_back(turns: Floats, places: Ints, owners: Ints, x: Floats, y: Floats) -> None:
-    for i in range(len(x)):
-        y[i] = x[i]
-    for k in range(len(places)):
-        i, n = places[k], owners[k]
-        for c in range(3):
-            y[i + c] = turns[n, 0, c] * x[i] + turns[n, 1, c] * x[i + 1] + turns[n, 2, c] * x[i + 2]
