@@ -10,7 +10,9 @@ from lamella.assembly.pattern import Pattern
 from lamella.errors import MissingExtraError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.linear import AutomaticSolver, LinearSolver, Method, linear_solver
+from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.pardiso import library
+from lamella.solve.schur import SchurSolver
 
 UNITS = np.tile(np.repeat([1.0, 1e-1, 1e-1, 1e-3], 3), 1)  # stiffness of r_xy is tiny beside that of r
 ROUNDING = 1e-9  # relative; condition of the equilibrated test matrices times machine epsilon is below 1e-11
@@ -222,6 +224,34 @@ def test_inaccurate_pivots_are_not_used() -> None:
     solver = check(k, None, "auto")
     assert isinstance(solver, AutomaticSolver)
     assert solver.n_general == 1
+
+
+class Inexact(Multifrontal):
+    """A factorisation whose solutions are off by a share."""
+
+    off = 0.0
+
+    def solve(self, r: Floats) -> Floats:
+        return (1.0 + self.off) * super().solve(r)
+
+
+@pytest.mark.parametrize(("off", "usable"), [(5e-11, True), (1e-9, False)])
+def test_each_factorisation_is_checked_and_solutions_of_a_poor_one_are_refined(off: float, usable: bool) -> None:
+    """Of a definite matrix too, whose pivots tell nothing. A refinement leaves the square of the share."""
+    k = plate_like(3, 3)
+    pattern, values, none = pattern_of(k)
+    factor = Inexact(pattern)
+    solver, r = SchurSolver(factor), np.sqrt(k.diagonal())
+    solver.factorise(values, none)
+    exact, _ = solver.solve(r, none)
+    factor.off = off
+    if not usable:
+        with pytest.raises(SingularSystemError, match="no usable pivot"):
+            solver.factorise(values, none)
+        return
+    solver.factorise(values, none)
+    found, _ = solver.solve(r, none)
+    assert np.abs(found / exact - 1.0).max() < 0.1 * off
 
 
 @pytest.mark.parametrize(("left", "by_general"), [(1e-9, 0), (1e-13, 1)])

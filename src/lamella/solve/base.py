@@ -47,8 +47,8 @@ class SymmetricFactor(ABC):
     """Factorisation of a symmetric matrix K of fixed pattern, without multipliers.
 
     1. ``factorise`` returns -1 on success, else a coordinate whose pivot it cannot use.
-    2. ``negative_pivots`` is the number of negative pivots of the last factorisation; when it is not 0, the pivots were not
-       chosen for accuracy, and the caller checks the result.
+    2. ``negative_pivots`` is the number of negative pivots of the last factorisation. Pivots are not chosen for accuracy, and
+       the caller checks the result.
     3. ``solve`` takes one right-hand side (n,) or several as columns (n, m).
     """
 
@@ -99,3 +99,7 @@ def not_finite(pattern: Pattern, k: Floats, j: Floats) -> SingularSystemError | 
         index = int(pattern.j_rows[bad[0]])
         return SingularSystemError(f"the constraint Jacobian is not finite in row {index}", pattern.n + index)
     return None
+
+
+REFINE_ABOVE = 1e-13
+"""Backward error of a factorisation above which each solution is refined once."""

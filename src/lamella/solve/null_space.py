@@ -7,15 +7,12 @@ import numpy as np
 from lamella.assembly.pattern import Pattern
 from lamella.errors import SingularSystemError
 from lamella.roles import Floats
-from lamella.solve.base import BACKWARD_ERROR_LIMIT, CONDITION_LIMIT, LinearSolver, not_finite
+from lamella.solve.base import BACKWARD_ERROR_LIMIT, CONDITION_LIMIT, REFINE_ABOVE, LinearSolver, not_finite
 from lamella.solve.constraint_group import groups_of
 from lamella.solve.lu import MultifrontalLU
 from lamella.solve.null_space_kernels import Rows, gather, largest, residual, scaled, solve, spread
 from lamella.solve.reduction import Reduction
 from lamella.solve.saddle import probe
-
-REFINE_ABOVE = 1e-13
-"""Backward error of a factorisation above which each solution is refined once."""
 
 
 class NullSpaceSolver(LinearSolver):

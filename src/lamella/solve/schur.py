@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
 from scipy.linalg import get_lapack_funcs
 
 from lamella.errors import SingularSystemError
 from lamella.roles import Floats
-from lamella.solve.base import BACKWARD_ERROR_LIMIT, PIVOT_TOLERANCE, LinearSolver, SymmetricFactor, not_finite, singular
-from lamella.solve.null_space_kernels import product
+from lamella.solve.base import (
+    BACKWARD_ERROR_LIMIT,
+    PIVOT_TOLERANCE,
+    REFINE_ABOVE,
+    LinearSolver,
+    SymmetricFactor,
+    not_finite,
+    singular,
+)
+from lamella.solve.check_kernels import backward_error, residual
+from lamella.solve.null_space_kernels import product, scaled
 from lamella.solve.saddle import probe
 
 _potrf, _potrs = get_lapack_funcs(("potrf", "potrs"), dtype=np.float64)
@@ -23,6 +31,9 @@ class SchurSolver(LinearSolver):
     S is formed densely, with one solution for each multiplier. Without multipliers only K is factorised. By Haynsworth's
     formula K has as many negative eigenvalues on the null space of J as K has, less those of S.
 
+    Each factorisation is checked by the solution of a known system, and where it is less accurate than it could be, solutions
+    are refined once.
+
     Args:
         factor: factorisation of K.
 
@@ -31,9 +42,12 @@ class SchurSolver(LinearSolver):
 
     def __init__(self, factor: SymmetricFactor) -> None:
         self.pattern, self._factor = factor.pattern, factor
-        self._probe = probe(factor.pattern.n)
+        pattern = factor.pattern
+        self._probe, self._b, self._rest = probe(pattern.n), np.zeros(pattern.n), np.zeros(pattern.n)
+        self._rows = pattern.indptr.astype(np.int64), pattern.indices.astype(np.uint32)
+        self._k: Floats | None = None
         self._negative: int | None = None
-        self._j_indptr, self._j_indices = factor.pattern.j_indptr.astype(np.int64), factor.pattern.j_indices.astype(np.int32)
+        self._j_indptr, self._j_indices = pattern.j_indptr.astype(np.int64), pattern.j_indices.astype(np.int32)
 
     @property
     def negative_pivots(self) -> int | None:
@@ -57,8 +71,10 @@ class SchurSolver(LinearSolver):
         """Factorise; -1, or the coordinate or multiplier without a usable pivot."""
         self._negative = None
         free = self._factor.factorise(k)
-        if free < 0 and self._factor.negative_pivots:
-            free = self._inaccurate(k)
+        if free < 0:
+            error, worst = self._backward_error(k)
+            self._k = k.copy() if error > REFINE_ABOVE else None
+            free = -1 if error <= BACKWARD_ERROR_LIMIT else worst
         negative = self._factor.negative_pivots
         if free < 0 and self.pattern.n_lam:
             free, negative_complement = self._complement(j)
@@ -67,16 +83,19 @@ class SchurSolver(LinearSolver):
             self._negative = negative
         return free
 
-    def _inaccurate(self, k: Floats) -> int:
-        """Solve for a known right-hand side; -1, or the coordinate with the largest residual when it is not small."""
-        upper = sparse.csr_array((k, self.pattern.indices, self.pattern.indptr), shape=(self.pattern.n, self.pattern.n))
-        diagonal = self.pattern.diagonal(k)
-        scale = np.sqrt(np.maximum(np.abs(diagonal), np.finfo(float).tiny))
-        b = self._probe * scale
-        x = self._factor.solve(b)
-        residual = np.abs(upper @ x + upper.T @ x - diagonal * x - b) / scale
-        small = residual <= BACKWARD_ERROR_LIMIT * (np.abs(x * scale).max() + 1.0)
-        return -1 if small.all() else int(np.argmax(np.where(np.isfinite(residual), residual, np.inf)))
+    def _backward_error(self, k: Floats) -> tuple[float, int]:
+        """Largest |K x - b| / (|x| + 1) of a known system, scaled to a diagonal of 1, and where it is."""
+        b, rest, magnitude = self._b, self._rest, np.abs(self.pattern.diagonal(k))
+        scaled(magnitude, self._probe, b, rest)
+        return backward_error(*self._rows, k, magnitude, b, self._factor.solve(b), rest)
+
+    def _solved(self, r: Floats) -> Floats:
+        """K^-1 r, shape (n,)."""
+        x = self._factor.solve(r)
+        if self._k is not None:
+            residual(*self._rows, self._k, r, x, self._rest)
+            x += self._factor.solve(self._rest)
+        return x
 
     def _complement(self, j: Floats) -> tuple[int, int]:
         """Form and invert S; -1 or the multiplier (behind the coordinates) that is free, and its negative eigenvalues."""
@@ -106,7 +125,7 @@ class SchurSolver(LinearSolver):
         """Solve. The error of y shows in J x = s alone and is corrected once."""
         if self._negative is None:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
-        x, y = self._factor.solve(r), np.zeros(self.pattern.n_lam)
+        x, y = self._solved(r), np.zeros(self.pattern.n_lam)
         if not len(y):
             return x, y
         d = np.empty_like(y)
