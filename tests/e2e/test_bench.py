@@ -125,7 +125,7 @@ def test_ratios_and_what_does_not_apply() -> None:
     assert (own.ratio, peer.ratio) == (1.0, 25.0)
     assert math.isnan(own.error)
     table = markdown([own, peer], {"lamella": "1"}).splitlines()
-    assert [cell.strip() for cell in table[4:][2].split("|")[1:-1]] == ["code", "CPU time", "", "ratio"]
+    assert [cell.strip() for cell in table[4:][2].split("|")[1:-1]] == ["code", "time", "", "ratio"]
     assert "error" not in "\n".join(table)
 
 

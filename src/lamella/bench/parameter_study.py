@@ -63,11 +63,11 @@ def run(runs: int) -> Iterator[Row]:
         lm.run_parameter_study(chosen, Path(folder) / "out", pictures=False)
         parallel, together = time.perf_counter() - start, _cpu_time() - used
     what = f"{len(tasks)} runs of {STEPS} steps"
-    load = f"elapsed time; load average at the end {os.getloadavg()[0]:.1f}; CPU time {alone:.3g} s"
+    load = f"load average at the end {os.getloadavg()[0]:.1f}; CPU time {alone:.3g} s"
     all_cpu = f"CPU time of all processes {together:.3g} s, {together / alone:.3g} of that one after another"
-    own = Row(case=CASE, code=f"one after another, over {WORKERS}", what=what, time=serial, unit="s", note=load)
+    own = Row(case=CASE, code=f"one after another, over {WORKERS}", what=what, time=serial, unit="s elapsed", note=load)
     yield own
-    yield Row(case=CASE, code=f"study on {WORKERS} workers", what=what, time=parallel, unit="s", note=all_cpu).beside(own)
+    yield Row(case=CASE, code=f"study on {WORKERS} workers", what=what, time=parallel, unit="s elapsed", note=all_cpu).beside(own)
 
 
 def _cpu_time() -> float:

@@ -17,7 +17,7 @@ class Row:
         case: the case's name.
         code: who did the work, with the settings that matter.
         what: the piece of work, for example the mesh.
-        time: median of the CPU time, in ``unit``.
+        time: median of the CPU time, or of the elapsed one where ``unit`` says so.
         unit: of the time.
         ratio: time over that of lamella for the same work.
         steps, iterations, factorisations: counts, a step where the unit is a time a step; they do not depend on the machine.

@@ -16,8 +16,8 @@ from lamella.bench.row import Row
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
 
-COLUMNS = ("code", "what", "CPU time", "", "ratio", "steps", "iterations", "factorisations", "result", "error", "note")
-NUMERIC = {"CPU time", "ratio", "steps", "iterations", "factorisations", "error"}
+COLUMNS = ("code", "what", "time", "", "ratio", "steps", "iterations", "factorisations", "result", "error", "note")
+NUMERIC = {"time", "ratio", "steps", "iterations", "factorisations", "error"}
 
 
 def cells(row: Row) -> tuple[str, ...]:
@@ -40,6 +40,7 @@ def machine() -> dict[str, str]:
     return found | {
         "processor": f"{_processor()}, {os.cpu_count()} cores, of which one is used",
         "system": f"{platform.system()} {platform.machine()}",
+        "times": "CPU time, where the unit does not say elapsed",
         "load": f"{load} (mean of processes that want a core, over the last minute of the run)",
     }
 
