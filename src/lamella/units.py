@@ -52,15 +52,15 @@ def to_si(value: object, unit: str) -> float:
         UnitError: unknown or incompatible unit, not a number, NaN or infinite.
     """
     accepted = f"accepted is a number in {unit} or text such as '1.5 {unit}'" if unit else "accepted is a plain number"
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        if isinstance(value, bool) or not hasattr(value, "__float__"):
-            raise UnitError(f"{value!r} is not a number; {accepted}")
-        value = float(value)  # type: ignore[arg-type]  # NumPy scalars
-    if isinstance(value, str):
-        value = _parse(value, unit, accepted)
-    if not math.isfinite(value):
-        raise UnitError(f"{value} is not finite; {accepted}")
-    return float(value)
+    if isinstance(value, bool) or not (isinstance(value, str) or hasattr(value, "__float__")):  # as numbers of NumPy have
+        raise UnitError(f"{value!r} is not a number; {accepted}")
+    try:
+        number = _parse(value, unit, accepted) if isinstance(value, str) else float(value)  # type: ignore[arg-type]
+    except OverflowError:  # an integer of more than 308 digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(f"{number} is not finite; {accepted}")
+    return number
 
 
 @cache

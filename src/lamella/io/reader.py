@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any, Final
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.dataclasses import is_pydantic_dataclass
 from pydantic_core import ErrorDetails
 
 from lamella.body.base import Body
@@ -45,7 +46,7 @@ class Reader:
     def value(self, annotation: Any, data: Any, place: Place, usual: Any = None) -> Any:
         """Read ``data`` as ``annotation`` says; the class of ``usual``, the default, is meant where none is named."""
         allowed = options(annotation)
-        if not allowed.structured or data is None:
+        if not allowed.structured or (data is None and allowed.plain):
             return self._plain(annotation, data, place)
         if isinstance(data, str) and (allowed.places or allowed.references or allowed.classes):
             found = self.lookup(allowed, data, place)
@@ -58,7 +59,7 @@ class Reader:
             return FAILED if FAILED in read.values() else read
         if isinstance(data, list) and allowed.items:
             return self._sequence(allowed, data, place)
-        if isinstance(data, (dict, list)) and not allowed.plain:
+        if (data is None or isinstance(data, (dict, list))) and not allowed.plain:
             return self._fail(place, f"found {shown(data)}; accepted is {accepted(allowed)}")
         if not (allowed.classes or allowed.plain):
             return self._fail(place, f"found {shown(data)}; accepted is {accepted(allowed)}")
@@ -106,7 +107,7 @@ class Reader:
         keys = {tag_of(cls)[0] for cls in classes}
         for key in keys & set(data):
             said = data[key]
-            if said in tags and tag_of(tags[said])[0] == key:
+            if isinstance(said, str) and said in tags and tag_of(tags[said])[0] == key:
                 return tags[said]
             if any(tag_of(cls) == (key, said) for cls in concrete(Declaration) if not in_files(cls)):
                 only = "holds Python functions, and nothing in a model file is executed; add it to the system in Python"
@@ -164,7 +165,8 @@ class Reader:
 
 @cache
 def _adapter(annotation: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(annotation)
+    config = None if is_pydantic_dataclass(annotation) else ConfigDict(arbitrary_types_allowed=True)  # for abstract classes
+    return TypeAdapter(annotation, config=config)
 
 
 def accepted(allowed: Options) -> str:

@@ -153,7 +153,7 @@ class Harmonic(Integrable):
 
 def _constant_from_number(value: object) -> object:
     is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    return Constant(float(value)) if is_number else value  # type: ignore[arg-type]
+    return Constant(value) if is_number else value  # type: ignore[arg-type]
 
 
 def _kind(value: object) -> object:
