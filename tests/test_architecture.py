@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).parent.parent / "src" / "lamella"
 LAYERS = [
     {
         "errors",
+        "arguments",
         "memory",
         "remembered",
         "units",
@@ -42,7 +43,7 @@ LAYERS = [
     {"assembly", "signals"},
     {"solve"},
     {"integrate"},
-    {"system", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear", "stepping"},
+    {"system", "accepted", "motion", "static_run", "statics", "shapes", "modal", "stability", "linear", "stepping"},
     {
         *("__init__", "study", "sweep", "io", "fmu", "viz", "verification", "bench", "examples", "templates"),
         *("differentiation", "optimisation"),

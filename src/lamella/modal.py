@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from lamella.accepted import STATE, SYSTEM
+from lamella.arguments import WHOLE, checked
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC
 from lamella.errors import DeclarationError, ModelError
@@ -52,6 +54,11 @@ class Modes(Shapes):
         return self.frequencies
 
 
+@checked(
+    system=SYSTEM,
+    n=WHOLE,
+    state=STATE,
+)
 def modes(system: System | Model, n: int, *, state: State | None = None) -> Modes:
     """The ``n`` lowest natural modes; in a frame that spins with the centrifugal and Coriolis forces in it.
 

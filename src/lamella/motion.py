@@ -9,6 +9,8 @@ from math import ceil
 
 import numpy as np
 
+from lamella.accepted import EQUATIONS, FAILURE, SOLVER, STATE
+from lamella.arguments import NUMBER, WHOLE, checked, instance, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.compilation import compilation_notice
@@ -40,6 +42,18 @@ KEEP_STEP = 1.2
 """Growth below which a step keeps its size, and with it the factorisation."""
 
 
+@checked(
+    system=EQUATIONS,
+    t_end=NUMBER,
+    integrator=instance("an integrator such as GeneralizedAlpha(dt=1e-3)", Integrator),
+    t_start=NUMBER,
+    initial=STATE,
+    frames=WHOLE,
+    every=optional(NUMBER),
+    stride=WHOLE,
+    solver=SOLVER,
+    on_failure=FAILURE,
+)
 def simulate(
     system: System | Model | Equations,
     t_end: float,
@@ -85,6 +99,8 @@ def simulate(
         raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
     if every is not None and not every > 0.0:
         raise DeclarationError("simulate", f"every = {every}", "accepted is a positive interval [s], or None for the steps alone")
+    if frames < 0:
+        raise DeclarationError("simulate", f"frames = {frames}", "accepted is a number of configurations, 0 or more")
     if stride < 1:
         raise DeclarationError("simulate", f"stride = {stride}", "accepted is a number of steps, 1 or more")
     began = time.perf_counter()

@@ -317,6 +317,12 @@ class Result:
         meshes = {mesh.name: mesh for mesh in self.model.plates}
         if name not in meshes:
             raise DeclarationError("result", f"no plate '{name}'", f"accepted is {', '.join(meshes)}")
+        if frame is not None and not -len(self.frame_q) <= frame < len(self.frame_q):
+            raise DeclarationError(
+                "result", f"frame = {frame}", f"accepted is 0 to {len(self.frame_q) - 1}, or None for the last state"
+            )
+        if per_element < 1:
+            raise DeclarationError("result", f"per_element = {per_element}", "accepted is a number of intervals, 1 or more")
         return meshes[name].sample(self.final.q if frame is None else self.frame_q[frame], per_element)
 
     def save(self, path: str | Path) -> Path:

@@ -9,6 +9,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
+from lamella.accepted import STATE, SYSTEM
+from lamella.arguments import NUMBER, WHOLE, checked
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, SingularSystemError
@@ -58,6 +60,12 @@ class Buckling(Shapes):
         return self.factors
 
 
+@checked(
+    system=SYSTEM,
+    n=WHOLE,
+    t=NUMBER,
+    state=STATE,
+)
 def buckling(system: System | Model, n: int = 1, *, t: float = 0.0, state: State | None = None) -> Buckling:
     """Linear buckling: load factors at which the stiffness becomes singular when the prebuckling state grows linearly.
 

@@ -9,6 +9,8 @@ from math import isfinite
 
 import numpy as np
 
+from lamella.accepted import EQUATIONS, FAILURE, SOLVER, SYSTEM
+from lamella.arguments import NUMBER, WHOLE, checked, either, instance, numbers, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.compilation import compilation_notice
@@ -31,7 +33,22 @@ STATIC_NEWTON = Newton(keep=0.0, line_search=True)
 BRANCH_ITERATIONS = 30
 """Newton's iterations allowed onto a branch, whose first point is guessed along the null vector."""
 
+STATIC_ARGUMENTS = {
+    "t": NUMBER,
+    "imperfection": optional(instance("an array with a number for each coordinate", np.ndarray)),
+    "newton": instance("Newton(...)", Newton),
+    "solver": SOLVER,
+    "on_failure": FAILURE,
+}
 
+
+@checked(
+    system=EQUATIONS,
+    steps=either(WHOLE, numbers("ascending numbers")),
+    times=optional(numbers("ascending numbers")),
+    smallest_step=NUMBER,
+    **STATIC_ARGUMENTS,
+)
 def equilibrium(
     system: System | Model | Equations,
     *,
@@ -101,6 +118,14 @@ def equilibrium(
     return run.close(outcome, on_failure)
 
 
+@checked(
+    system=SYSTEM,
+    until=optional(NUMBER),
+    arc=optional(instance("ArcLength(...)", ArcLength)),
+    control=optional(instance("DisplacementControl(...)", DisplacementControl)),
+    branch=optional(instance("a branch of a critical point", Branch)),
+    **STATIC_ARGUMENTS,
+)
 def equilibrium_path(
     system: System | Model,
     *,

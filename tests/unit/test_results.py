@@ -341,7 +341,7 @@ def test_modes_are_stored_and_read_back(tmp_path: Path, bent: Result) -> None:
         read_result(path)
     with pytest.raises(ResultFileError, match="is not a file of modes"):
         read_modes(bent.save(tmp_path / "bent.h5"))
-    with pytest.raises(ResultFileError, match="cannot be written"):
+    with pytest.raises(ResultFileError, match="does not exist; create it or choose another"):
         write_modes(found, tmp_path / "nowhere" / "modes.h5")
 
 

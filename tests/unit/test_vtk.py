@@ -121,7 +121,7 @@ def test_only_what_a_result_holds_is_written(tmp_path: Path) -> None:
 
 
 def test_messages_for_files_that_cannot_be_written(tmp_path: Path) -> None:
-    with pytest.raises(ResultFileError, match="cannot be written"):
+    with pytest.raises(ResultFileError, match="does not exist; create it or choose another"):
         write_vtkhdf(stand_in.result(), tmp_path / "nowhere" / "run.vtkhdf")
     (tmp_path / "notes.txt").write_text("keep me")
     with pytest.raises(ResultFileError, match="not replaced"):

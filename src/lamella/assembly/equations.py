@@ -18,7 +18,7 @@ from lamella.assembly.point import Point, Weights
 from lamella.assembly.product import SkewProduct, matrix_free
 from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
-from lamella.errors import ConstraintError
+from lamella.errors import ConstraintError, ModelError
 from lamella.model import Model
 from lamella.roles import Floats
 from lamella.state import State
@@ -140,7 +140,16 @@ class Equations:
         return Point(t, self.model.q0[chosen].copy(), ud, zero, np.zeros(self.n_lam), factor, at_rest)
 
     def point_of(self, state: State, t: float) -> Point:
-        """The point at time ``t`` with the coordinates, velocities, accelerations and multipliers of a state."""
+        """The point at time ``t`` with the coordinates, velocities, accelerations and multipliers of a state.
+
+        Raises:
+            ModelError: the state is that of another system.
+        """
+        found, own = (len(state.q), len(state.lam)), (self.model.n_q, self.constraints.n_all)
+        if found != own:
+            raise ModelError(
+                f"a state of {found[0]} coordinates and {found[1]} multipliers; accepted is one of this system, {own}"
+            )
         chosen = self.elimination.independent
         lam = state.lam[self.constraints.kept]
         return Point(t, state.q[chosen].copy(), state.v[chosen].copy(), state.a[chosen].copy(), lam)

@@ -22,7 +22,7 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
-from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_other_file
+from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_unfit
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.shapes import Shapes
@@ -51,7 +51,7 @@ def write_modes(modes: Shapes, path: str | Path, *, model_text: str | None = Non
     import h5py
 
     path = Path(path)
-    refuse_other_file(path)
+    refuse_unfit(path)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with h5py.File(partial, "w", track_order=True) as file:

@@ -39,11 +39,9 @@ def create_file(path: Path, overwrite: bool) -> Node:
     """
     import h5py
 
-    if not path.parent.is_dir():
-        raise ResultFileError(f"result file '{path}': folder '{path.parent}' does not exist; create it or choose another")
+    refuse_unfit(path)
     if path.exists() and not overwrite:
         raise ResultFileError(f"result file '{path}' exists already; choose another name or ask to overwrite it")
-    refuse_other_file(path)
     try:
         path.unlink(missing_ok=True)
         return h5py.File(path, "x", track_order=True, locking=False)  # unlocked: others may look at the running file
@@ -52,8 +50,10 @@ def create_file(path: Path, overwrite: bool) -> Node:
         raise ResultFileError(f"result file '{path}' cannot be created: {error}; {accepted}") from error
 
 
-def refuse_other_file(path: Path) -> None:
-    """Refuse to replace something that is not an HDF5 file, such as the model file given by mistake."""
+def refuse_unfit(path: Path) -> None:
+    """Refuse a path in a folder that is not there, or of something that is no HDF5 file, such as the model file by mistake."""
+    if not path.parent.is_dir():
+        raise ResultFileError(f"result file '{path}': folder '{path.parent}' does not exist; create it or choose another")
     if path.is_dir():
         raise ResultFileError(f"result file '{path}' is a folder; accepted is the name of a file")
     if path.exists() and path.stat().st_size and not is_hdf5(path):

@@ -35,7 +35,7 @@ from lamella.io.result_layout import (
     create_file,
     lay_out,
     plain,
-    refuse_other_file,
+    refuse_unfit,
     reserve,
     room_for,
     write_critical_points,
@@ -223,7 +223,7 @@ def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
         ResultFileError: ``path`` is another kind of file, or cannot be written.
     """
     path = Path(path)
-    refuse_other_file(path)
+    refuse_unfit(path)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     signals, n_q = tuple(result.signals.values()), result.frame_q.shape[1] if result.frame_q.ndim == 2 else 0
     text, missing = model_text(result)

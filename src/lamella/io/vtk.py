@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamella.errors import ResultFileError
-from lamella.io.result_layout import Node, refuse_other_file
+from lamella.io.result_layout import Node, refuse_unfit
 from lamella.roles import Floats, Ints
 from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
@@ -51,7 +51,7 @@ def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fiel
     import h5py
 
     path = Path(path)
-    refuse_other_file(path)
+    refuse_unfit(path)
     chosen = _choose(result, fields)
     if not len(result.frame_at) or not drawable(result.model):
         raise ResultFileError(

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from lamella.accepted import STATE, SYSTEM
+from lamella.arguments import checked
 from lamella.errors import DeclarationError
 from lamella.linear.basis import all_motions, lowest_motions
 from lamella.linear.inputs import Effect, Inputs, effects
@@ -27,6 +29,10 @@ ROUNDING = 1e-15
 """An entry of a reduced matrix below this share of the sum of its terms' sizes is what rounding has left of zero."""
 
 
+@checked(
+    system=SYSTEM,
+    state=STATE,
+)
 def linearise(system: System | Model, inputs: Inputs, outputs: Sequence[str], *, state: State | None = None) -> LinearModel:
     """Linearise a system about a steady state.
 

@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from lamella import threads
+from lamella.arguments import checked as with_arguments
+from lamella.arguments import instance
 from lamella.errors import WorkerError
 from lamella.progress import CountBar
 from lamella.study.run import Say, silent
@@ -21,6 +23,7 @@ from lamella.sweep.table import StudyResult
 from lamella.sweep.task import Row, Task
 
 
+@with_arguments(study=instance("a ParameterStudy, or what read_study gives", ParameterStudy, StudyFile))
 def run_parameter_study(
     study: ParameterStudy | StudyFile,
     folder: str | Path,

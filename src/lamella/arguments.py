@@ -1,0 +1,92 @@
+"""What public functions are called with: arguments of another kind are refused with words."""
+
+from __future__ import annotations
+
+import inspect
+import reprlib
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
+from numbers import Integral, Real
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+from lamella.errors import DeclarationError
+
+Parameters = ParamSpec("Parameters")
+Returned = TypeVar("Returned")
+
+
+class Kind(NamedTuple):
+    """What an argument may be: a test of a value, and the words for it in a message."""
+
+    accepts: Callable[[Any], bool]
+    words: str
+
+
+NUMBER = Kind(lambda value: isinstance(value, Real) and not isinstance(value, bool), "a number")
+TEXT = Kind(lambda value: isinstance(value, str), "a text")
+WHOLE = Kind(lambda value: isinstance(value, Integral) and not isinstance(value, bool), "a whole number")
+
+
+def instance(words: str, *classes: type) -> Kind:
+    """An instance of one of some classes."""
+    return Kind(lambda value: isinstance(value, classes), words)
+
+
+def optional(kind: Kind) -> Kind:
+    """The same, or None."""
+    return Kind(lambda value: value is None or kind.accepts(value), f"{kind.words}, or None")
+
+
+def one_of(words: Iterable[str]) -> Kind:
+    """One of some words."""
+    known = tuple(words)
+    return Kind(lambda value: isinstance(value, str) and value in known, f"one of {', '.join(known)}")
+
+
+def numbers(words: str) -> Kind:
+    """A sequence of numbers."""
+
+    def accepts(value: Any) -> bool:
+        return isinstance(value, Iterable) and not isinstance(value, str) and all(map(NUMBER.accepts, value))
+
+    return Kind(accepts, words)
+
+
+def mapping(kind: Kind) -> Kind:
+    """A mapping of names to values of a kind."""
+
+    def accepts(value: Any) -> bool:
+        return isinstance(value, Mapping) and all(map(kind.accepts, value.values()))
+
+    return Kind(accepts, f"a mapping of names to {kind.words}")
+
+
+def either(*kinds: Kind) -> Kind:
+    """What one of some kinds accepts."""
+    return Kind(lambda value: any(kind.accepts(value) for kind in kinds), " or ".join(kind.words for kind in kinds))
+
+
+def checked(**kinds: Kind) -> Callable[[Callable[Parameters, Returned]], Callable[Parameters, Returned]]:
+    """Let a function refuse arguments that are not of their kind; those not named are left to the function.
+
+    Args:
+        kinds: of the arguments, by name.
+
+    Raises:
+        DeclarationError: by the function: its name, the argument with its value, and what is accepted.
+    """
+
+    def decorate(function: Callable[Parameters, Returned]) -> Callable[Parameters, Returned]:
+        signature = inspect.signature(function)
+        name_of = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+
+        @wraps(function)
+        def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Returned:
+            for name, value in signature.bind(*args, **kwargs).arguments.items():
+                if name in kinds and not kinds[name].accepts(value):
+                    raise DeclarationError(name_of, f"{name} = {reprlib.repr(value)}", f"accepted is {kinds[name].words}")
+            return function(*args, **kwargs)
+
+        return call
+
+    return decorate

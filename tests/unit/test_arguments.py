@@ -1,0 +1,72 @@
+"""Arguments of the public functions: wrong kinds and values are refused with the function, the argument and what is accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import lamella as lm
+from lamella.errors import LamellaError
+
+STEPS: Any = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9)
+LAYUP = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=2e-3)
+
+
+def strip(elements: int = 1) -> Any:
+    system = lm.System()
+    plate = system.add(lm.Plate("strip", (0.5, 0.1), (elements, 1), LAYUP))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PointForce("load", plate.marker("tip", 0.5, 0.05), (0, 0, -1.0)))
+    return system
+
+
+def still(elements: int = 1) -> Any:
+    return lm.equilibrium(strip(elements))
+
+
+def other(value: Any) -> Any:
+    """Any value, for arguments whose type it is not."""
+    return value
+
+
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: lm.simulate(other(None), 0.01, STEPS), "simulate: system = None; accepted is a System"),
+    (lambda: lm.simulate(strip(), other("1 s"), STEPS), "t_end = '1 s'; accepted is a number"),
+    (lambda: lm.simulate(strip(), float("nan"), STEPS), "t_end = nan"),
+    (lambda: lm.simulate(strip(), True, STEPS), "t_end = True; accepted is a number"),
+    (lambda: lm.simulate(strip(), 0.01, other(lm.GeneralizedAlpha)), "integrator = .*; accepted is an integrator such as"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, frames=other(2.5)), "frames = 2.5; accepted is a whole number"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, frames=-1), "frames = -1; accepted is a number of configurations, 0 or more"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, every=other("1 ms")), "every = '1 ms'; accepted is a number, or None"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, solver=other("best")), "solver = 'best'; accepted is one of auto"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, on_failure="ignore"), "on_failure = 'ignore'; accepted is one of raise, return"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, initial=other("rest")), "initial = 'rest'; accepted is a state"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, initial=still(2).final), "state of 72 coordinates .* one of this system, .48, 0"),
+    (lambda: lm.equilibrium(strip(), steps=other("x")), "steps = 'x'; accepted is a whole number or ascending numbers"),
+    (lambda: lm.equilibrium(strip(), steps=-1), "steps = -1"),
+    (lambda: lm.equilibrium(strip(), times=other([0.0, "x"])), "times = .*accepted is ascending numbers, or None"),
+    (lambda: lm.equilibrium_path(strip(), arc=other(0.1)), r"arc = 0.1; accepted is ArcLength\(...\), or None"),
+    (lambda: lm.modes(strip(), other("x")), "modes: n = 'x'; accepted is a whole number"),
+    (lambda: lm.buckling(strip(), state=other(1)), "buckling: state = 1; accepted is a state"),
+    (lambda: lm.run_parameter_study(other({}), "out"), "study = {}; accepted is a ParameterStudy"),
+    (lambda: lm.run_optimisation(other(None), "out"), "problem = None; accepted is an Optimisation"),
+    (lambda: still().plate("strip", frame=9), "frame = 9; accepted is 0 to 1, or None"),
+    (lambda: still().plate("strip", per_element=0), "per_element = 0; accepted is a number of intervals, 1 or more"),
+    (lambda: still().save("/no/such/folder/x.h5"), "result file '/no/such/folder/x.h5': folder '/no/such/folder' does not exist"),
+    (lambda: lm.Plate("p", (1, 1), (1, 1), LAYUP).marker("m", other("left"), 0), "marker: x = 'left'; accepted is a number"),
+    (lambda: lm.Ground().marker("m", 0, 0, other(None)), "marker: z = None; accepted is a number"),
+    (lambda: lm.gradient("swing", at=other(None), outputs={}), "gradient: at = None; accepted is a mapping of names to a number"),
+    (
+        lambda: lm.gradient("swing", at={}, outputs=other({"f": "shape"})),
+        "outputs = {'f': 'shape'}; accepted is a mapping of",
+    ),
+    (lambda: lm.Stepping(other(None), STEPS), "Stepping: system = None; accepted is a System or its compiled model"),
+]
+
+
+@pytest.mark.parametrize(("call", "said"), REFUSED)
+def test_what_cannot_be_is_refused_with_words(call: Callable[[], object], said: str) -> None:
+    with pytest.raises(LamellaError, match=said):
+        call()
