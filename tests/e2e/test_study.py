@@ -20,9 +20,12 @@ import pytest
 
 import lamella as lm
 import lamella.sweep.cluster
+import lamella.sweep.local
+import lamella.sweep.processes
 import lamella.sweep.run
 from lamella.errors import ResultFileError, WorkerError
 from lamella.sweep.local import LocalWorkers
+from lamella.sweep.processes import Spawns
 from lamella.sweep.store import Store
 from lamella.sweep.study import read_study
 from lamella.sweep.table import StudyResult
@@ -299,17 +302,47 @@ def test_workers_of_another_version_are_refused(study: Path, tmp_path: Path, mon
             lm.run_parameter_study(read_study(study), tmp_path / "out", pictures=False)
 
 
-def test_a_killed_worker_does_not_lose_the_study(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(params=["forked", "started alone"])
+def origin(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Where worker processes come from: the one that is used on Linux, and that of other systems."""
+    if request.param == "started alone":
+        monkeypatch.setattr(lamella.sweep.local, "begin", Spawns)
+    elif sys.platform != "linux":
+        pytest.skip("workers are forked on Linux alone")
+    return request.param
+
+
+def worker_processes(origin: str) -> list[int]:
+    """Numbers of the worker processes there are, of which only those that are not forked are children of this one."""
+    children = [child.pid or 0 for child in multiprocessing.active_children()]
+    if origin == "started alone":
+        return children
+    return [int(pid) for child in children for pid in Path(f"/proc/{child}/task/{child}/children").read_text().split()]
+
+
+def is_running(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_a_killed_worker_does_not_lose_the_study(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, origin: str
+) -> None:
     """Two worker processes; one is killed when the first run is finished, and its run is done by another process."""
     killed: list[int] = []
+    workers: list[int] = []
     keep = Store.keep
 
     def keep_and_kill(store: Store, row: Row) -> None:
         keep(store, row)
         if not killed:
-            victim = multiprocessing.active_children()[0]
-            killed.append(victim.pid or 0)
+            workers.extend(worker_processes(origin))
+            killed.append(workers[0])
             os.kill(killed[0], signal.SIGKILL)
+        elif len(workers) == 2:
+            workers.extend(worker_processes(origin))
 
     monkeypatch.setattr(Store, "keep", keep_and_kill)
     said: list[str] = []
@@ -327,13 +360,77 @@ def test_a_killed_worker_does_not_lose_the_study(study: Path, tmp_path: Path, mo
     for row, settings in zip(result.rows, map(source.study.settings, source.study.rows()), strict=True):
         here = run_task(Task(row.number, checked.text, "strip", tmp_path, settings, source.study.outputs))
         assert here.values == row.values  # to the last bit: the same work, whoever does it
-    assert not multiprocessing.active_children() or all(child.pid != killed[0] for child in multiprocessing.active_children())
+    wait_until_ended(workers)
 
 
-def test_workers_that_always_die_are_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(lamella.sweep.local, "_prepare", os._exit)
-    with pytest.raises(WorkerError, match=r"__main__"), LocalWorkers(1, print):
-        pass
+def wait_until_ended(processes: list[int]) -> None:
+    end = time.monotonic() + DEADLINE
+    while any(map(is_running, processes)):
+        multiprocessing.active_children()  # those that have ended are laid to rest
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="workers are forked on Linux alone")
+def test_the_process_that_is_forked_may_be_killed(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And then one of the workers it left, in whose place another comes from another."""
+    killed: list[int] = []
+    keep = Store.keep
+
+    def keep_and_kill(store: Store, row: Row) -> None:
+        keep(store, row)
+        if not killed:
+            worker = worker_processes("forked")[0]
+            killed.extend([multiprocessing.active_children()[0].pid or 0, worker])
+            for process in killed:
+                os.kill(process, signal.SIGKILL)
+
+    monkeypatch.setattr(Store, "keep", keep_and_kill)
+    study.write_text(STUDY + "workers: 2\n")
+    result = lm.run_parameter_study(read_study(study), tmp_path / "out", pictures=False)
+    assert killed
+    assert result.ok.all()
+    wait_until_ended(killed)
+    assert not multiprocessing.active_children()
+
+
+def end_at_once(*_: object) -> None:
+    os._exit(1)
+
+
+def test_workers_that_always_die_are_given_up(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, origin: str) -> None:
+    monkeypatch.setattr(lamella.sweep.processes, "serve_forks", end_at_once)
+    monkeypatch.setattr(lamella.sweep.processes, "work", end_at_once)
+    with pytest.raises(WorkerError, match=r"__main__.*0 of 6 runs are finished and kept"):
+        lm.run_parameter_study(read_study(study), tmp_path / "out", pictures=False)
+
+
+def test_a_run_that_always_kills_its_worker_is_given_up(tmp_path: Path, origin: str) -> None:
+    said: list[str] = []
+    with LocalWorkers(2, said.append) as workers:
+        tasks = [Task(k, "", "strip", tmp_path, (), {"ends": Deadly()} if k == 2 else {}) for k in range(1, 5)]
+        rows = {row.number: row for row in workers.run(tasks)}
+    assert [rows[k].status for k in range(1, 5)] == ["failed", "lost", "failed", "failed"]
+    assert rows[2].message == "its worker process ended, 3 times"
+    assert [text.partition("; ")[2] for text in said] == ["it is run again", "it is run again", "given up"]
+
+
+class Deadly:
+    """Ends the process that it comes to."""
+
+    def __reduce__(self) -> tuple[Any, tuple[int]]:
+        return os._exit, (1,)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="workers are forked on Linux alone")
+def test_a_bad_study_leaves_no_process(study: Path, tmp_path: Path, environment: dict[str, str]) -> None:
+    study.write_text(STUDY.replace("tip.position", "tip.positon"))
+    refused = start(environment, tmp_path)
+    out, error = refused.communicate(timeout=DEADLINE)  # ends when nobody holds the pipes any more
+    assert refused.returncode == 2
+    assert out == ""
+    assert "there is no signal 'tip.positon'" in error
+    assert len(error.splitlines()) == 1
 
 
 def start(environment: dict[str, str], folder: Path, *words: str) -> subprocess.Popen[str]:

@@ -19,7 +19,7 @@ from lamella.solve import schedule
 from lamella.solve.layout import layout_of
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.schedule import Schedule, row_ranges
-from lamella.sweep.local import ONE_THREAD
+from lamella.sweep.processes import ONE_THREAD
 from lamella.verification.p1_motion.case import cantilever
 
 MOTION = lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.9)

@@ -45,7 +45,7 @@ class Section:
 
     def classes(self) -> tuple[type, ...]:
         """The declarations accepted."""
-        _import_catalogue()
+        import_catalogue()
         return _accepted(self.bases, len(KINDS))
 
 
@@ -94,7 +94,7 @@ USERS = (
 
 
 @cache
-def _import_catalogue() -> None:
+def import_catalogue() -> None:
     """Import every module of the folders that may hold declarations, so that their classes are known."""
     for folder in pkgutil.iter_modules(lamella.__path__, "lamella."):
         if folder.ispkg and folder.name.removeprefix("lamella.") not in USERS:

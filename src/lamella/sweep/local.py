@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-import gc
-import multiprocessing
 import os
 import signal
-import threading
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from multiprocessing.connection import wait as wait_for
+from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from lamella import threads
 from lamella.errors import WorkerError
-from lamella.sweep.task import Row, Task, ready, run_task
+from lamella.sweep.processes import Source, begin
+from lamella.sweep.task import Row, Task
 
 ATTEMPTS = 3
-"""Times a run is tried whose worker dies."""
-
-ONE_THREAD: dict[str, str] = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", threads.VARIABLE), "1"
-)
-"""Environment of workers: with a process for each core, threads within them only get in each other's way."""
+"""Times a run is tried whose worker dies, and times a worker is started that dies before its first run."""
 
 HINT = (
     "the worker processes end before their first run; a script that runs a study must do so below "
@@ -33,54 +23,78 @@ HINT = (
 )
 
 
-class Worker:
-    """A process that runs one task at a time, and is replaced when it dies."""
+class Died(Exception):  # noqa: N818  # it is no error
+    """A worker process has ended by itself."""
 
-    def __init__(self) -> None:
+
+class Worker:
+    """A process that runs one task at a time, and is replaced when it dies.
+
+    Args:
+        source: where processes come from.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._failed_starts = 0
         self._start()
 
-    def wait_ready(self) -> None:
-        """Wait until the process has imported what it needs.
+    def _start(self) -> None:
+        self._process: int | None = None
+        self.connection: Connection = self._source.worker()
 
-        Raises:
-            WorkerError: it ended before, and so did those put in its place.
-        """
-        for _ in range(ATTEMPTS):
-            if self._first.exception() is None:
-                return
-            self._start()
-        raise WorkerError(HINT)
-
-    def submit(self, task: Task) -> Future[Row]:
+    def give(self, task: Task) -> None:
         """Start a task."""
         try:
-            return self._pool.submit(run_task, task)
-        except BrokenProcessPool:  # it died while it had nothing to do
+            self.connection.send(task)
+        except OSError:  # it died while it had nothing to do
             self.replace()
-            return self._pool.submit(run_task, task)
+            with suppress(OSError):  # so has the new one, as is seen when its row is asked for
+                self.connection.send(task)
+
+    def take(self) -> Row | None:
+        """The row of its task; None when it has just begun.
+
+        Raises:
+            Died: it has ended.
+            WorkerError: it ended before its first run, and so did those put in its place.
+        """
+        try:
+            said = self.connection.recv()
+        except (EOFError, OSError):
+            if self._process is None:
+                self._failed_starts += 1
+                if self._failed_starts == ATTEMPTS:
+                    raise WorkerError(HINT) from None
+            raise Died from None
+        if isinstance(said, Row):
+            return said
+        self._process, self._failed_starts = said, 0
+        return None
+
+    @property
+    def begun(self) -> bool:
+        """Whether it was ready for tasks."""
+        return self._process is not None
 
     def replace(self) -> None:
-        """Put a new process in the place of a dead one; it takes tasks at once, which wait for its start."""
+        """Put a new process in the place of a dead one."""
         self.end()
         self._start()
 
     def end(self) -> None:
         """End the process, whatever it is doing."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
-        if self._first.done() and not self._first.cancelled() and self._first.exception() is None:
+        if self._process is not None:
             with suppress(ProcessLookupError, PermissionError):
-                os.kill(self._first.result(), signal.SIGTERM)
-
-    def _start(self) -> None:
-        self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _prepare, gc.get_threshold()[:1])
-        self._first = self._pool.submit(ready)
+                os.kill(self._process, signal.SIGTERM)
+        self.connection.close()
 
 
 class LocalWorkers:
     """The cores of this machine, as a context.
 
     Args:
-        count: number of worker processes.
+        count: largest number of worker processes.
         say: takes a line for each worker that dies.
     """
 
@@ -89,67 +103,57 @@ class LocalWorkers:
         self._workers: list[Worker] = []
 
     def __enter__(self) -> LocalWorkers:
-        self._before = {name: os.environ.get(name) for name in ONE_THREAD}
-        os.environ.update(ONE_THREAD)  # inherited by the processes started within
-        try:
-            self._workers = [Worker() for _ in range(self.count)]
-            for worker in self._workers:
-                worker.wait_ready()
-        except BaseException:
-            self.__exit__()
-            raise
+        self._source = begin()
         return self
 
     def __exit__(self, *_: Any) -> None:
         for worker in self._workers:
             worker.end()
-        for name, value in self._before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        self._source.end()
 
     def run(self, tasks: Sequence[Task]) -> Generator[Row, None, None]:
-        """Run tasks, a few at a time; rows come in the order in which they are finished."""
+        """Run tasks, one in each worker; rows come in the order in which they are finished.
+
+        Raises:
+            WorkerError: no worker can be started.
+        """
         waiting, tries = deque(tasks), Counter[int]()
-        running: dict[Future[Row], tuple[Worker, Task]] = {}
+        running: dict[Connection, tuple[Worker, Task]] = {}
+        self._workers = [Worker(self._source) for _ in range(min(self.count, len(tasks)))]
         idle = list(self._workers)
         ended: list[Row] = []
         while waiting or running:
             while idle and waiting:  # before rows are dealt with: workers do not wait for the disk
                 worker, task = idle.pop(), waiting.popleft()
-                running[worker.submit(task)] = worker, task
+                worker.give(task)
+                running[worker.connection] = worker, task
             yield from ended
             ended = []
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                worker, task = running.pop(future)
-                error = future.exception()
-                if isinstance(error, BrokenProcessPool):
-                    tries[task.number] += 1
-                    again = tries[task.number] < ATTEMPTS
-                    self.say(f"run {task.number}: its worker process ended; {'it is run again' if again else 'given up'}")
+            for connection in wait(list(running)):
+                assert isinstance(connection, Connection)
+                worker, task = running[connection]
+                begun = worker.begun
+                try:
+                    row = worker.take()
+                except Died:
+                    row = self._row_of_dead(task, tries) if begun else None
+                    del running[connection]
                     worker.replace()
-                    if again:
-                        waiting.appendleft(task)
-                    else:
-                        ended.append(Row(task.number, "lost", message=f"its worker process ended, {ATTEMPTS} times"))
-                elif error is not None:
-                    ended.append(Row(task.number, "failed", message=f"{type(error).__name__}: {error}"))
+                    if row is None:
+                        worker.give(task)
+                        running[worker.connection] = worker, task
+                        continue
                 else:
-                    ended.append(future.result())
+                    if row is None:
+                        continue
+                    del running[connection]
+                ended.append(row)
                 idle.append(worker)
         yield from ended
 
-
-def _prepare(allocations: int) -> None:
-    """In a new worker: leave Ctrl-C to the study's own process, end when that one has ended, and collect garbage as it does."""
-    gc.set_threshold(allocations)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    wait_for([sentinel])
-    os._exit(1)
+    def _row_of_dead(self, task: Task, tries: Counter[int]) -> Row | None:
+        """What is known of a run whose worker has died; None when it is run again."""
+        tries[task.number] += 1
+        again = tries[task.number] < ATTEMPTS
+        self.say(f"run {task.number}: its worker process ended; {'it is run again' if again else 'given up'}")
+        return None if again else Row(task.number, "lost", message=f"its worker process ended, {ATTEMPTS} times")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -52,21 +51,28 @@ def run_parameter_study(
         KeyboardInterrupt: the user interrupted; what is finished is kept.
     """
     source = study if isinstance(study, StudyFile) else StudyFile(study)
-    checked = source.checked()
-    folder = Path(folder)
-    store = Store(folder, checked, overwrite)
-    tasks = _tasks(checked)
-    rows = store.finished(len(tasks))
-    if rows:
-        say(f"{len(rows)} of {len(tasks)} runs are finished already")
-    left = [task for task in tasks if task.number not in rows]
-    if left:
-        try:
-            _run(checked, store, left, rows, progress, say)
-        except KeyboardInterrupt as error:
-            raise KeyboardInterrupt(_so_far(rows, tasks, folder)) from error
-        except WorkerError as error:
-            raise WorkerError(f"{error}; {_so_far(rows, tasks, folder)}") from error
+    folder, asked = Path(folder), source.study
+    with ExitStack() as stack:
+        workers: LocalWorkers | ClusterWorkers | None = None
+        if asked.cluster is None:  # first of all: they start while the study is checked
+            workers = stack.enter_context(LocalWorkers(asked.workers or threads.cores(), say))
+        checked = source.checked()
+        store = Store(folder, checked, overwrite)
+        tasks = _tasks(checked)
+        rows = store.finished(len(tasks))
+        if rows:
+            say(f"{len(rows)} of {len(tasks)} runs are finished already")
+        left = [task for task in tasks if task.number not in rows]
+        if left:
+            try:
+                if asked.cluster is not None:
+                    workers = stack.enter_context(ClusterWorkers(asked.cluster, say))
+                assert workers is not None
+                _run(workers, store, left, rows, progress)
+            except KeyboardInterrupt as error:
+                raise KeyboardInterrupt(_so_far(rows, tasks, folder)) from error
+            except WorkerError as error:
+                raise WorkerError(f"{error}; {_so_far(rows, tasks, folder)}") from error
     result = StudyResult(checked.study, checked.units, [rows[task.number] for task in tasks])
     return replace(result, files=write_outputs(result, checked, folder, pictures))
 
@@ -79,16 +85,9 @@ def _tasks(checked: Checked) -> list[Task]:
     ]
 
 
-def _run(
-    checked: Checked, store: Store, left: list[Task], rows: dict[int, Row], progress: bool, say: Callable[[str], None]
-) -> None:
+def _run(workers: LocalWorkers | ClusterWorkers, store: Store, left: list[Task], rows: dict[int, Row], progress: bool) -> None:
     """Run the tasks that are left; ``rows`` grows as they are finished."""
-    study = checked.study
-    if study.cluster is not None:
-        workers = ClusterWorkers(study.cluster, say)
-    else:
-        workers = LocalWorkers(min(study.workers or threads.cores(), len(left)), say)
-    with workers, closing(workers.run(left)) as finished:
+    with closing(workers.run(left)) as finished:
         bar = CountBar("study", len(rows), len(rows) + len(left), "runs") if progress else None
         try:
             for row in finished:

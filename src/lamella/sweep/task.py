@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from lamella import __version__
 from lamella.errors import DeclarationError, LamellaError
 from lamella.io.analysis import Computed
 from lamella.io.model_file import loads
+from lamella.io.sections import import_catalogue
 from lamella.result import Result
 from lamella.sweep.outputs import StudyOutput
 
@@ -63,9 +63,9 @@ class Row:
     version: str = __version__
 
 
-def ready() -> int:
-    """The worker's process number; what is imported for it is what a run needs."""
-    return os.getpid()
+def import_all() -> None:
+    """Import what runs need and this module has not: all that a model may be made of."""
+    import_catalogue()
 
 
 def run_task(task: Task) -> Row:

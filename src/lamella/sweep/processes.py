@@ -1,0 +1,199 @@
+"""Worker processes: forked from one that has imported what runs need, or each started on its own where that is not done.
+
+Nothing heavy is imported here, so that the start can come before everything else, and run beside it.
+"""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
+from multiprocessing import reduction, resource_tracker
+from multiprocessing.connection import Connection, Pipe
+from multiprocessing.connection import wait as wait_for
+from typing import Any, Protocol
+
+ONE_THREAD: dict[str, str] = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "LAMELLA_THREADS"), "1"
+)
+"""Environment of workers: with a process for each core, threads within them only get in each other's way."""
+
+
+class Source(Protocol):
+    """Where worker processes come from."""
+
+    def worker(self) -> Connection:
+        """A new process that does :func:`work`, by the connection to it; it takes tasks at once, which wait for its start."""
+        ...
+
+    def end(self) -> None:
+        """No more are wanted, and those there are may end."""
+
+
+class Forks:
+    """A process that imports what a run needs, once, and is forked into workers. It computes nothing and has one thread."""
+
+    def __init__(self) -> None:
+        self._begin()
+
+    def _begin(self) -> None:
+        self._used = False
+        self._control, other = Pipe()
+        self._process = _spawned(serve_forks, other)
+
+    def worker(self) -> Connection:
+        own, other = Pipe()
+        try:
+            self._send(other)
+        except OSError:  # it has ended
+            self.end()
+            self._begin()
+            with suppress(OSError):  # so has the next, as is seen when the worker's first word is waited for
+                self._send(other)
+        other.close()
+        return own
+
+    def _send(self, connection: Connection) -> None:
+        reduction.send_handle(self._control, connection.fileno(), self._process.pid)
+        self._used = True
+
+    def end(self) -> None:
+        self._control.close()
+        if not self._used:  # it may not have come so far as to notice
+            self._process.terminate()
+        self._process.join()
+
+
+class Spawns:
+    """Workers that are started on their own: systems other than Linux have libraries that do not bear to be forked."""
+
+    def worker(self) -> Connection:
+        own, other = Pipe()
+        _spawned(work, other)
+        return own
+
+    def end(self) -> None:
+        pass
+
+
+_early: list[Source] = []
+
+
+def begin() -> Source:
+    """A source of workers, which starts while the caller goes on."""
+    if _early:
+        return _early.pop()
+    return Forks() if sys.platform == "linux" else Spawns()
+
+
+@contextmanager
+def begun() -> Generator[None, None, None]:
+    """Within, the next source has its start behind it, or is on its way."""
+    _early.append(begin())
+    try:
+        yield
+    finally:
+        while _early:
+            _early.pop().end()
+
+
+def serve_forks(control: Connection, allocations: int) -> None:
+    """Fork a worker for each connection that comes, until no more can come; then end them all."""
+    _leave_interrupts()
+    from lamella.sweep.task import import_all
+
+    import_all()
+    gc.freeze()  # what is there stays: to look through it for garbage would copy the memory that all share
+    workers: list[int] = []
+    while (connection := _received(control)) is not None:
+        worker = os.fork()
+        if worker == 0:
+            control.close()
+            work(connection, allocations)
+            return
+        connection.close()
+        workers.append(worker)
+    for worker in workers:
+        os.kill(worker, signal.SIGTERM)
+        os.waitpid(worker, 0)
+
+
+def _received(control: Connection) -> Connection | None:
+    try:
+        return Connection(reduction.recv_handle(control))
+    except (EOFError, OSError):
+        return None
+
+
+def work(connection: Connection, allocations: int) -> None:
+    """Say the process's number, and then do tasks, until the other end is closed or the study's process has ended.
+
+    Args:
+        connection: from which tasks come and to which rows go.
+        allocations: after which garbage is collected, as in the study's process.
+    """
+    _leave_interrupts()
+    from lamella.sweep.task import Row, run_task
+
+    gc.set_threshold(allocations)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    with suppress(EOFError, OSError):
+        connection.send(os.getpid())
+        while True:
+            task = connection.recv()
+            try:
+                row = run_task(task)
+            except Exception as error:  # noqa: BLE001  # of a run alone: the others go on
+                row = Row(task.number, "failed", message=f"{type(error).__name__}: {error}")
+            connection.send(row)
+
+
+def _spawned(target: Callable[[Connection, int], None], connection: Connection) -> Any:
+    """A new process with one end of a pipe, in the environment of workers."""
+    process = multiprocessing.get_context("spawn").Process(target=target, args=(connection, gc.get_threshold()[0]), daemon=True)
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
+    resource_tracker.ensure_running()  # it would let Ctrl-C through
+    with _no_interrupts():  # nor in the new process, until it leaves them to this one
+        try:
+            process.start()
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    os.environ.pop(name, None)
+                else:
+                    os.environ[name] = value
+            connection.close()
+    return process
+
+
+@contextmanager
+def _no_interrupts() -> Generator[None, None, None]:
+    """Ctrl-C waits, also for processes that are started meanwhile."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _leave_interrupts() -> None:
+    """Leave Ctrl-C to the study's own process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _end_with(sentinel: int) -> None:
+    wait_for([sentinel])
+    os._exit(1)
