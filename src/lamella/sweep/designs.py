@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import qmc
 
 from lamella.declaration import declaration
 from lamella.roles import Floats
@@ -105,6 +104,8 @@ class LatinHypercubeDesign(Design):
         return self.runs
 
     def rows(self, parameters: Parameters) -> list[Row]:
+        from scipy.stats import qmc  # a third of a second that grids and lists do without
+
         random = np.random.default_rng(self.seed)
         sampler = qmc.LatinHypercube(len(parameters), seed=random)  # pyright: ignore[reportCallIssue] -- rng from SciPy 1.15 on
         return _sampled(parameters, sampler.random(self.runs))
@@ -202,6 +203,8 @@ def _of(name: str, values: Any) -> Any:
 
 
 def _sobol(dimensions: int, runs: int, seed: int) -> Floats:
+    from scipy.stats import qmc
+
     sampler = qmc.Sobol(dimensions, seed=np.random.default_rng(seed))  # pyright: ignore[reportCallIssue] -- rng from SciPy 1.15 on
     return np.asarray(sampler.random(runs))
 

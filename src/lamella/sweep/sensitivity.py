@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from lamella.roles import Floats
 from lamella.sweep.designs import LatinHypercubeDesign, SaltelliDesign, SobolDesign
@@ -111,6 +110,8 @@ def _rank(result: StudyResult, output: str) -> list[Sensitivity]:
     count = int(ok.sum())
     if count < FEWEST or np.ptp(result[output][ok]) == 0.0:
         return []
+    from scipy import stats  # takes a third of a second, and most designs have no sensitivities
+
     rows = []
     for parameter in result.study.parameters:
         value = float(stats.spearmanr(result[parameter][ok], result[output][ok])[0])  # pyright: ignore[reportArgumentType]
