@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -104,21 +105,24 @@ def study(
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Write the table only: no plots or report.")] = False,
 ) -> None:
     """Run a model at many values of its parameters; goes on with a study that was interrupted."""
-    from lamella.cli.study import study_command
+    from lamella.sweep.processes import begun
 
-    try:
-        study_command(
-            file,
-            out,
-            settings or [],
-            workers=workers,
-            cluster=cluster,
-            overwrite=overwrite,
-            quiet=quiet,
-            pictures=not no_pictures,
-        )
-    except KeyboardInterrupt as error:
-        raise Interrupted(str(error)) from error
+    with begun() if cluster is None else nullcontext():  # before the rest is imported: workers start beside it
+        from lamella.cli.study import study_command
+
+        try:
+            study_command(
+                file,
+                out,
+                settings or [],
+                workers=workers,
+                cluster=cluster,
+                overwrite=overwrite,
+                quiet=quiet,
+                pictures=not no_pictures,
+            )
+        except KeyboardInterrupt as error:
+            raise Interrupted(str(error)) from error
 
 
 @app.command()
