@@ -391,7 +391,9 @@ def test_the_process_that_is_forked_may_be_killed(study: Path, tmp_path: Path, m
     assert killed
     assert result.ok.all()
     wait_until_ended(killed)
-    assert not multiprocessing.active_children()
+    for child in multiprocessing.active_children():
+        child.join(DEADLINE)
+        assert not child.is_alive()
 
 
 def end_at_once(*_: object) -> None:

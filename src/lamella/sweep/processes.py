@@ -32,7 +32,7 @@ class Source(Protocol):
         ...
 
     def end(self) -> None:
-        """No more are wanted, and those there are may end."""
+        """No more are wanted, and those there are may end; they are not waited for."""
 
 
 class Forks:
@@ -66,7 +66,6 @@ class Forks:
         self._control.close()
         if not self._used:  # it may not have come so far as to notice
             self._process.terminate()
-        self._process.join()
 
 
 class Spawns:
