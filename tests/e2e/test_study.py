@@ -373,7 +373,7 @@ def wait_until_ended(processes: list[int]) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="workers are forked on Linux alone")
 def test_the_process_that_is_forked_may_be_killed(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And then one of the workers it left, in whose place another comes from another."""
+    """And then one of the workers it left, in whose place another is started alone."""
     killed: list[int] = []
     keep = Store.keep
 
@@ -394,6 +394,29 @@ def test_the_process_that_is_forked_may_be_killed(study: Path, tmp_path: Path, m
     for child in multiprocessing.active_children():
         child.join(DEADLINE)
         assert not child.is_alive()
+
+
+SCRIPT = """\
+import threading, time
+threading.Thread(target=time.sleep, args=(600.0,), daemon=True).start()
+import lamella as lm
+from lamella.sweep.study import read_study
+if __name__ == "__main__":
+    result = lm.run_parameter_study(read_study("study.yaml"), "out", pictures=False)
+    print(result.ok.sum(), "runs")
+"""
+
+
+def test_scripts_that_start_threads_may_run_studies(study: Path, tmp_path: Path, environment: dict[str, str]) -> None:
+    """Which a fork would leave in an unknown state."""
+    study.write_text(STUDY + "workers: 1\n")
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "6 runs\n"
+    assert done.stderr == ""
 
 
 def end_at_once(*_: object) -> None:

@@ -36,12 +36,12 @@ class Source(Protocol):
 
 
 class Forks:
-    """A process that imports what a run needs, once, and is forked into workers. It computes nothing and has one thread."""
+    """A process that imports what a run needs, once, and is forked into workers. It computes nothing and has one thread.
+
+    When it has ended, or has threads from what the user's script imports, workers start on their own.
+    """
 
     def __init__(self) -> None:
-        self._begin()
-
-    def _begin(self) -> None:
         self._used = False
         self._control, other = Pipe()
         self._process = _spawned(serve_forks, other)
@@ -49,18 +49,13 @@ class Forks:
     def worker(self) -> Connection:
         own, other = Pipe()
         try:
-            self._send(other)
+            reduction.send_handle(self._control, other.fileno(), self._process.pid)
         except OSError:  # it has ended
-            self.end()
-            self._begin()
-            with suppress(OSError):  # so has the next, as is seen when the worker's first word is waited for
-                self._send(other)
-        other.close()
+            _spawned(work, other)
+        else:
+            self._used = True
+            other.close()
         return own
-
-    def _send(self, connection: Connection) -> None:
-        reduction.send_handle(self._control, connection.fileno(), self._process.pid)
-        self._used = True
 
     def end(self) -> None:
         self._control.close()
@@ -110,6 +105,8 @@ def serve_forks(control: Connection, allocations: int) -> None:
     import_all()
     gc.freeze()  # what is there stays: to look through it for garbage would take a tenth of the time, and copy shared memory
     gc.enable()
+    if len(os.listdir("/proc/self/task")) > 1:  # a fork would leave locked what another thread holds
+        return
     workers: list[int] = []
     while (connection := _received(control)) is not None:
         worker = os.fork()
