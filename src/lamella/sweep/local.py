@@ -8,7 +8,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from typing import Any
+from typing import Any, cast
 
 from lamella.errors import WorkerError
 from lamella.sweep.processes import Source, begin
@@ -129,8 +129,7 @@ class LocalWorkers:
                 running[worker.connection] = worker, task
             yield from ended
             ended = []
-            for connection in wait(list(running)):
-                assert isinstance(connection, Connection)
+            for connection in cast("list[Connection]", wait(list(running))):
                 worker, task = running[connection]
                 begun = worker.begun
                 try:

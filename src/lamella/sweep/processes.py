@@ -158,7 +158,6 @@ def _spawned(target: Callable[[Connection, int], None], connection: Connection) 
     process = multiprocessing.get_context("spawn").Process(target=target, args=(connection, gc.get_threshold()[0]), daemon=True)
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(ONE_THREAD)
-    resource_tracker.ensure_running()  # it would let Ctrl-C through
     with _no_interrupts():  # nor in the new process, until it leaves them to this one
         try:
             process.start()
@@ -178,6 +177,7 @@ def _no_interrupts() -> Generator[None, None, None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    resource_tracker.ensure_running()  # which would let Ctrl-C through again when it is started within
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
