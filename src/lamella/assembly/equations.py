@@ -333,7 +333,7 @@ class Equations:
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""
         r = point.factor * self.loads.reduced()
-        r += self.forces.reduced()
+        self.forces.onto(r)
         unreduced = None
         if not point.at_rest:
             if self.mass.in_independent:

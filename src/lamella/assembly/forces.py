@@ -105,3 +105,7 @@ class ForceSum:
         if self._in_independent is None:
             self._in_independent = self._reduce(self.buffer)
         return self._in_independent
+
+    def onto(self, r: Floats) -> None:
+        """Add T^T times the sum of what the buffer holds now to ``r`` (n_u,); it is not kept."""
+        self._reduce.onto(self.buffer, r)
