@@ -140,7 +140,8 @@ class Table(Integrable):
             return np.array([zero, zero, np.diff(values) / np.diff(times), values[:-1]]).T.tolist()
         from scipy.interpolate import CubicSpline, PchipInterpolator  # imported late: 1 s that most models never need
 
-        return (CubicSpline if self.interpolation == "cubic" else PchipInterpolator)(times, values).c.T.tolist()
+        with np.errstate(over="ignore"):  # a mean slope of 0 is what SciPy makes of slopes below 1e-308
+            return (CubicSpline if self.interpolation == "cubic" else PchipInterpolator)(times, values).c.T.tolist()
 
 
 def _points(lines: list[str], item: str, accepted: str) -> list[tuple[float, float]]:
