@@ -279,6 +279,21 @@ def test_what_is_not_a_result_file(tmp_path: Path, written: Path) -> None:
         read_result(written)
 
 
+def test_altered_files_are_read_or_refused_with_words(tmp_path: Path, written: Path) -> None:
+    """Some bytes are overwritten, or the end is missing."""
+    whole, path, random = written.read_bytes(), tmp_path / "altered.h5", np.random.default_rng(11)
+    refused = 0
+    for count in [0, 1, 4, 64] * 30:
+        altered, at = bytearray(whole), int(random.integers(len(whole) - 64))
+        altered[at : at + count] = random.bytes(count)
+        path.write_bytes(altered if count else altered[:at])
+        try:
+            read_result(path)
+        except ResultFileError:
+            refused += 1
+    assert refused > 30  # the files that are cut, at the least
+
+
 def test_result_without_model_says_so(tmp_path: Path) -> None:
     writer = ResultWriter(tmp_path / "run.h5", SIGNALS, "time", N_Q)
     writer.close(Outcome(Cause.COMPLETED, 0, 0), Statistics())

@@ -88,7 +88,7 @@ def read_modes(path: str | Path) -> Modes | Buckling:
             values, shapes, state = (np.asarray(root[name][()]) for name in (kind.quantity[0], "shapes", "state"))
             imperfection = np.asarray(root["imperfection"][()]) if "imperfection" in root else None
             late = np.asarray(root["quadrature"][()]).T if "quadrature" in root else None
-    except (OSError, KeyError, RuntimeError) as error:  # what h5py raises for a truncated or altered file
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:  # what h5py raises for a truncated or altered file
         raise ResultFileError(f"file of modes '{path}' is damaged or cannot be read: {error}") from error
     if not text:
         raise ResultFileError(f"'{path}' holds no model; accepted are modes of a model that can be written as a model file")

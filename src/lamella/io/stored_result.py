@@ -100,7 +100,7 @@ def read_result(path: str | Path) -> StoredResult:
             if version.split(".")[0] != FORMAT_VERSION.split(".")[0]:
                 raise ResultFileError(f"result file '{path}' has format {version}; accepted is {FORMAT_VERSION}")
             return StoredResult(path, file)
-    except (OSError, KeyError, RuntimeError) as error:  # what h5py raises for a truncated or altered file
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:  # what h5py raises for a truncated or altered file
         raise ResultFileError(f"result file '{path}' is damaged or cannot be read: {error}") from error
 
 
