@@ -49,6 +49,11 @@ class ForceSum:
             n_u = int(T.indices.max(initial=-1)) + 1  # each independent coordinate is one of all, so the last has an entry
             self._reduce = SumOperator(independent, used[pick], shares, n_u)
 
+    @property
+    def reduction(self) -> SumOperator:
+        """T^T times the sum, as a product with the buffer."""
+        return self._reduce
+
     def evaluate(self, t: float, q: Floats, v: Floats) -> None:
         """Let all blocks write their parts of the buffer."""
         changing = self._changing if t == self._t else self.parts

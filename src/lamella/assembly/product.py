@@ -13,7 +13,7 @@ from lamella._jit import kernel
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.operator import SumOperator
+from lamella.assembly.operator import SumOperator, VectorOperator, negative_sum
 from lamella.assembly.point import Point, Weights
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
 from lamella.model import Model
@@ -66,6 +66,8 @@ class TangentProduct:
         ]
         self._curvatures = [(block, _Entries(block)) for block in model.constraints]
         self._entries = [entries for _, entries in chain(*self._listed, self._curvatures) if len(entries.k)]
+        self.lists = bool(self._entries)
+        """Whether tangents are multiplied entry by entry as well."""
 
     def look(self, point: Point, q: Floats, v: Floats, weights: Weights) -> None:
         """Evaluate the tangents that are listed.
@@ -98,6 +100,11 @@ class TangentProduct:
         self._multiply(x)
         y = self._sum.reduced()
         return gather.onto(self._add_listed(x, np.zeros_like(x)), y) if self._entries else y
+
+    def negative_sum(self, r: Floats, x: Floats, factor: float, mass: VectorOperator, u: Floats) -> Floats:
+        """-(r + the product as :meth:`reduced` gives it + factor M u), only where no tangents are listed."""
+        self._multiply(x)
+        return negative_sum(r, self._sum.reduction, self._sum.buffer, factor, mass, u)
 
     def _multiply(self, x: Floats) -> None:
         """Fill the buffer with the products of the blocks that multiply."""

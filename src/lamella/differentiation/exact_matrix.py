@@ -7,23 +7,23 @@ from functools import cached_property
 
 import numpy as np
 
-from lamella._jit import inner, kernel, njit
+from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.assembly.product import TangentProduct
+from lamella.differentiation.residuals import ConjugateResiduals
 from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.linear import linear_solver
 
-ENOUGH = 1e-10
-"""What a solution lacks, as a share of it, below which it is improved once more and no further. The differences on the right-hand
-side leave as much; 1e-9 already leaves 2e-7 of an output of a motion, 1e-10 some 1e-8."""
+ENOUGH = 3e-10
+"""What a solution lacks, as a share of it, below which it is improved once more and no further."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-WORTH, WORTH_OF_LARGE, LARGE = 1, 6, 1000
-"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix, from which Newton's method
-gains too; and that number for matrices that are exact, with so many unknowns or more, whose factorisation costs most."""
+WORTH = 6
+"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix: to evaluate and factorise that
+costs some ten."""
 
 
 class ExactMatrix:
@@ -53,12 +53,10 @@ class ExactMatrix:
         self.equations = equations
         self.linear = linear or linear_solver(equations.matrix.pattern)
         self.renewed: Floats | None = None
-        self._per_magnitude = 1.0 / equations.magnitude
         self._unsymmetric: ExactMatrix | None = None
         self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
-        self._known = self._spent = self._least = 0
-        self._directions, self._images = np.zeros((2, 0, equations.n_u + equations.n_lam))
-        self._worth = WORTH_OF_LARGE if equations.is_exact and equations.n_u >= LARGE else WORTH
+        self._spent = self._least = 0
+        self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
         self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
 
     def factorise(self, point: Point, weights: Weights) -> None:
@@ -84,7 +82,7 @@ class ExactMatrix:
 
         Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
         """
-        if self._outlasts and (self.renewed is not None or self._spent <= self._least + self._worth):
+        if self._outlasts and (self.renewed is not None or self._spent <= self._least + WORTH):
             self._begin(point, weights)
         else:
             self.factorise(point, weights)
@@ -93,7 +91,8 @@ class ExactMatrix:
         if self.renewed is not None:
             self._least = self._spent
         self._at, self._residual, self.renewed = (point, weights), None, None
-        self._known = self._spent = 0
+        self._spent = 0
+        self._residuals.forget()
 
     def solve(self, r: Floats, s: Floats, guess: Floats | None = None) -> tuple[Floats, Floats]:
         """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for.
@@ -106,30 +105,20 @@ class ExactMatrix:
             return self._unsymmetric.solve(r, s)
         if self.equations.is_exact and self.renewed is not None:
             return self.linear.solve(-r, -s)
-        z = np.zeros(len(r) + len(s))
+        known, z = self._residuals, None
         if guess is None:
             left = np.concatenate(self.linear.solve(-r, -s))
         else:
-            z[: len(r)] = guess
+            z = np.concatenate([guess, np.zeros_like(s)])
             left = self._lacking(r, s, z)
-        if not len(self._directions):
-            self._directions, self._images = np.zeros((2, MOST, len(z)))
-        done = learnt = 0
-        nothing = np.zeros_like(r), np.zeros_like(s)
-        while True:
-            lacking = _improve(z, left, done, self._known, self._directions, self._images, self._per_magnitude)
-            if lacking <= ENOUGH:
-                z += left
-                return z[: len(r)], z[len(r) :]
-            if learnt == MOST:
-                break
-            if self._known == MOST:
-                self._known = 0
-            done = self._known
-            image = self._lacking(*nothing, left)
-            _learn(left, image, done, self._directions, self._images, self._per_magnitude)
-            self._known += 1
+        nothing, learnt = (np.zeros_like(r), np.zeros_like(s)), 0
+        lacking = known.begin(z, left)
+        while not lacking <= ENOUGH and learnt < MOST:
+            lacking = known.improve(self._lacking(*nothing, known.left))
             learnt += 1
+        if lacking <= ENOUGH:
+            z = known.solution()
+            return z[: len(r)], z[len(r) :]
         if self.renewed is None:
             self.factorise(*self._at)
         else:
@@ -155,12 +144,20 @@ class ExactMatrix:
 
     def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
         """The product of the exact matrix at a point with changes of the unknowns, to be used before the next is asked for."""
+        times, none = self._negative_product(point, weights), np.zeros(self.equations.n_u)
+        return lambda x: -times(none, x)
+
+    def _negative_product(self, point: Point, weights: Weights) -> Callable[[Floats, Floats], Floats]:
+        """-(r + A x) for r and x."""
         of, tangents, alpha_a = self.equations, self._tangents, weights.alpha_a
         tangents.look(point, of.coordinates(point), of.force_velocities(point), weights)
+        still, mass = np.zeros(of.n_u), of.mass.in_independent if alpha_a else None
+        if mass is not None and not tangents.lists:
+            return lambda r, x: tangents.negative_sum(r, of.expand(x), alpha_a, mass, x)
 
-        def times(x: Floats) -> Floats:
-            y = tangents.reduced(of.expand(x), of.gather)
-            return y + alpha_a * of.inertia_force(x) if alpha_a else y
+        def times(r: Floats, x: Floats) -> Floats:
+            forces = tangents.reduced(of.expand(x), of.gather)
+            return _negative_sum(r, forces, alpha_a, of.inertia_force(x) if alpha_a else still)
 
         return times
 
@@ -172,14 +169,14 @@ class ExactMatrix:
         return self._residual(r, s, z)
 
     def _by_products(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        n, times = self.equations.n_u, self.product(*self._at)
+        n, negative = self.equations.n_u, self._negative_product(*self._at)
         if not self.equations.n_lam:
-            return lambda r, s, z: self.linear.solve(_negative_sum(r, times(z)), s)[0]
+            return lambda r, s, z: self.linear.solve(negative(r, z), s)[0]
         J = self.equations.jacobian(self._at[0])
 
         def lacking(r: Floats, s: Floats, z: Floats) -> Floats:
             x, y = z[:n], z[n:]
-            return np.concatenate(self.linear.solve(-(r + times(x) + J.T @ y), -(s + J @ x)))
+            return np.concatenate(self.linear.solve(negative(r + J.T @ y, x), -(s + J @ x)))
 
         return lacking
 
@@ -195,52 +192,9 @@ def exact(equations: Equations) -> Equations:
 
 
 @njit
-def _negative_sum(x: Floats, y: Floats) -> Floats:
-    z = np.empty_like(x)
+def _negative_sum(x: Floats, y: Floats, factor: float, z: Floats) -> Floats:
+    """-(x + y + factor z)"""
+    total = np.empty_like(x)
     for i in range(len(x)):
-        z[i] = -(x[i] + y[i])
-    return z
-
-
-@kernel
-def _improve(
-    z: Floats, left: Floats, first: int, end: int, directions: Floats, images: Floats, per_magnitude: Floats
-) -> float:  # fmt: skip
-    """Take the shares of some directions in what is left into z; how large what is left then is, as a share of z."""
-    for k in range(first, end):
-        share = _scalar_product(images[k], left, per_magnitude)
-        for i in range(len(z)):
-            z[i] += share * directions[k, i]
-            left[i] -= share * images[k, i]
-    size = rest = 0.0
-    for i in range(len(per_magnitude)):
-        size = max(size, abs(z[i]) * per_magnitude[i])
-        rest = max(rest, abs(left[i]) * per_magnitude[i])
-    return rest / size if size > 0.0 else np.inf if rest > 0.0 else 0.0
-
-
-@kernel
-def _learn(left: Floats, lacking: Floats, k: int, directions: Floats, images: Floats, per_magnitude: Floats) -> None:
-    """Keep the direction left with its image -lacking, made orthogonal to those of the k before and of length 1."""
-    p, image = directions[k], images[k]
-    for i in range(len(left)):
-        p[i] = left[i]
-        image[i] = -lacking[i]
-    for before in range(k):
-        share = _scalar_product(images[before], image, per_magnitude)
-        for i in range(len(left)):
-            p[i] -= share * directions[before, i]
-            image[i] -= share * images[before, i]
-    length = np.sqrt(_scalar_product(image, image, per_magnitude))
-    for i in range(len(left)):
-        p[i] /= length
-        image[i] /= length
-
-
-@inner
-def _scalar_product(x: Floats, y: Floats, per_magnitude: Floats) -> float:
-    """Of two lists of unknowns, in their magnitudes; multipliers do not count."""
-    total = 0.0
-    for i in range(len(per_magnitude)):
-        total += x[i] * y[i] * per_magnitude[i] ** 2
+        total[i] = -(x[i] + y[i] + factor * z[i])
     return total
