@@ -1,0 +1,123 @@
+"""Prediction of a vector from step to step, by what its last values tell."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from lamella._jit import inner, kernel, njit
+from lamella.differentiation.residuals import add_row
+from lamella.lane import WIDTH, load_at, spread, total
+from lamella.roles import Floats
+
+MEMORY = 8
+"""Values from which the next one is predicted, beside the last."""
+DEPENDENT = 1e-9
+"""Share of a value which others leave of it, below which it is not used: it is rounding."""
+SERVES = 1e-3
+"""Error of a guess, as a share of the solution, up to which it is worth a product: from zero the first one leaves as much."""
+
+
+class Prediction:
+    """Guesses x from an estimate at hand and from what it was off by in the last steps, e = x - estimate:
+
+        e_k ~ sum_i a_i e_(k-i),    with the coefficients by least squares from sum_i a_i e_(k-1-i) ~ e_(k-1)
+
+    This is right for sums of few damped oscillations, whatever their frequencies are. A guess is given while the last one, or
+    the estimate alone, was good.
+
+    Args:
+        magnitude: of each unknown, shape (n,).
+
+    Source: linear prediction, J. Makhoul, Proceedings of the IEEE 63 (1975) 561-580.
+    """
+
+    def __init__(self, magnitude: Floats) -> None:
+        padded = -(-len(magnitude) // WIDTH) * WIDTH
+        self._magnitude = magnitude
+        self._values, self._q = np.zeros((MEMORY + 1) * padded), np.zeros(MEMORY * padded)
+        self._next, self._R, self._a = np.zeros(padded), np.zeros((MEMORY, MEMORY)), np.zeros(MEMORY)
+        self.forget()
+
+    def forget(self) -> None:
+        """What follows does not go on from the steps before."""
+        self._known, self._errors = 0, (np.inf, np.inf)
+
+    def guess(self, estimate: Floats) -> Floats | None:
+        """What x may be near to, shape (n,); None where nothing near enough is known."""
+        of_prediction, of_estimate = self._errors
+        if min(of_prediction, of_estimate) > SERVES:
+            return None
+        if of_estimate <= of_prediction:
+            return estimate
+        return _sum(estimate, self._magnitude, self._next)
+
+    def learn(self, estimate: Floats, x: Floats) -> None:
+        """Take note of the solution."""
+        self._known += 1
+        work = self._values, self._q, self._R, self._a, self._next
+        self._errors = _learn(estimate, x, self._magnitude, self._known, *work)
+
+
+@njit
+def _sum(estimate: Floats, magnitude: Floats, following: Floats) -> Floats:
+    x = np.empty_like(estimate)
+    for i in range(len(x)):
+        x[i] = estimate[i] + magnitude[i] * following[i]
+    return x
+
+
+@kernel
+def _learn(
+    estimate: Floats, x: Floats, magnitude: Floats, known: int,
+    values: Floats, q: Floats, R: Floats, a: Floats, following: Floats,
+) -> tuple[float, float]:  # fmt: skip
+    """The errors of the last prediction and of the estimate, and the next prediction."""
+    n = len(following)
+    latest = (known - 1) % (MEMORY + 1)
+    at, off, size, left = latest * n, 0.0, 0.0, 0.0
+    for i in range(len(x)):
+        e, x_i = (x[i] - estimate[i]) / magnitude[i], x[i] / magnitude[i]
+        size += x_i * x_i
+        off += e * e
+        left += (e - following[i]) ** 2
+        values[at + i] = e
+    of_estimate = sqrt(off / size)
+    of_prediction = sqrt(left / size) if known > 2 else of_estimate
+    used = 0
+    for k in range(min(known - 1, MEMORY)):  # those before the latest, made orthonormal one after the other: q R
+        row = (latest - 1 - k) % (MEMORY + 1) * n
+        for i in range(n):
+            q[k * n + i] = values[row + i]
+        for j in range(k):
+            R[j, k] = _dot(q, j * n, q, k * n, n)
+            add_row(q, k * n, -R[j, k], q, j * n, n)
+        R[k, k] = sqrt(_dot(q, k * n, q, k * n, n))
+        if not R[k, k] > DEPENDENT * sqrt(_dot(values, row, values, row, n)):
+            break
+        for i in range(k * n, k * n + n):
+            q[i] /= R[k, k]
+        used = k + 1
+    for i in range(n):
+        following[i] = values[at + i]
+    for k in range(used):
+        a[k] = _dot(q, k * n, following, 0, n)
+        add_row(following, 0, -a[k], q, k * n, n)
+    for k in range(used - 1, -1, -1):
+        for j in range(k + 1, used):
+            a[k] -= R[k, j] * a[j]
+        a[k] /= R[k, k]
+    for i in range(n):
+        following[i] = 0.0
+    for k in range(used):
+        add_row(following, 0, a[k], values, (latest - k) % (MEMORY + 1) * n, n)
+    return of_prediction, of_estimate
+
+
+@inner
+def _dot(x: Floats, x_at: int, y: Floats, y_at: int, n: int) -> float:
+    sums = spread(0.0)
+    for i in range(0, n, WIDTH):
+        sums = sums + load_at(x, x_at + i) * load_at(y, y_at + i)
+    return total(sums)
