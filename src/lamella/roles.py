@@ -100,6 +100,8 @@ class ForceBlock(Memory, ABC):
     name: str
     symmetry: Symmetry = "symmetric"
     depends_on_velocity: bool = False
+    linear_in_velocity: bool = False
+    """Whether ``damping_force`` is linear in the velocities, and thus the product of the tangent df/dv with them."""
     first_order: bool = False
     """Whether it acts on the rows of scalar fields; ``alpha_v`` is then the weight of their rates."""
     varies: bool = False

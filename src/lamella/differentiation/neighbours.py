@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from lamella.assembly.equations import Equations
+from lamella.differentiation.difference import PartDifference, Side, WholeDifference, difference_of, remembers
 from lamella.errors import DeclarationError, LamellaError
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock
@@ -26,21 +27,6 @@ FOURTH = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
 
 
 @dataclass(frozen=True)
-class Side:
-    """A model beside the value of a parameter.
-
-    Args:
-        distance: of the parameter from the value, in its unit.
-        weight: of the side in a derivative [1 / unit].
-        equations: of the model there.
-    """
-
-    distance: float
-    weight: float
-    equations: Equations
-
-
-@dataclass(frozen=True)
 class Neighbours:
     """Models beside the value of one parameter, by which functions of the parameter are differentiated.
 
@@ -49,10 +35,12 @@ class Neighbours:
     Args:
         name: of the parameter.
         sides: the models.
+        residual: the difference of their residuals.
     """
 
     name: str
     sides: Sequence[Side]
+    residual: WholeDifference | PartDifference
 
     @property
     def rule(self) -> tuple[float, tuple[tuple[float, float], ...]]:
@@ -67,7 +55,7 @@ class Neighbours:
     @cached_property
     def _remembering(self) -> list[list[ForceBlock | ConstraintBlock]]:
         models = [side.equations.model for side in self.sides]
-        return [[block for block in (*m.forces, *m.loads, *m.constraints) if _remembers(block)] for m in models]
+        return [[block for block in (*m.forces, *m.loads, *m.constraints) if remembers(block)] for m in models]
 
     def settle(self, t: float, coordinates: Callable[[Side], Floats]) -> None:
         """Tell blocks with a discrete state the coordinates that were accepted at each side."""
@@ -106,7 +94,7 @@ def neighbours_of(name: str, base: Equations, value: float, size: float, made: C
         there = value + place * step
         equations = above if place == 1.0 else _equations(name, base, _model(name, there, made))
         sides.append(Side(there - value, weight / step, equations))
-    return Neighbours(name, sides)
+    return Neighbours(name, sides, difference_of(base, sides))
 
 
 def _moves(base: Equations, there: Equations) -> bool:
@@ -116,10 +104,6 @@ def _moves(base: Equations, there: Equations) -> bool:
     start = base.start()
     motions = [[row.motion for row in equations.elimination.rows] for equations in (base, there)]
     return not (np.array_equal(base.coordinates(start), there.coordinates(start)) and motions[0] == motions[1])
-
-
-def _remembers(block: ForceBlock | ConstraintBlock) -> bool:
-    return type(block).settle not in (ForceBlock.settle, ConstraintBlock.settle)
 
 
 def _model(name: str, value: float, made: Callable[[float], System]) -> Model:

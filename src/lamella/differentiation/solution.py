@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamella._jit import kernel, njit
 from lamella.assembly.point import STATIC, Point
+from lamella.differentiation.difference import Side
 from lamella.differentiation.exact_matrix import ExactMatrix
-from lamella.differentiation.neighbours import Neighbours, Side
+from lamella.differentiation.neighbours import Neighbours
 from lamella.roles import Floats
 from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent
 from lamella.solve.linear import linear_solver
@@ -45,32 +45,7 @@ def residual_difference(neighbours: Neighbours, point: Point, x: PointDerivative
     membrane is stiffer than its bending by 12 (length / thickness)^2, which would spoil a difference. In velocities and
     accelerations forces are linear or nearly so.
     """
-    r, phi = np.zeros_like(point.u), np.zeros_like(point.lam)
-    for side in neighbours.sides:
-        there, equations = point, side.equations
-        if x is not None:
-            ud = _moved(point.ud, side.distance, x.ud) if equations.depends_on_velocity else point.ud
-            there = Point(point.t, point.u, ud, _moved(point.udd, side.distance, x.udd), point.lam, point.factor)
-        of_forces, of_constraints = equations.residual(there)
-        _add(side.weight, of_forces, r)
-        if len(phi):
-            phi += side.weight * of_constraints
-    return r, phi
-
-
-@njit
-def _moved(x: Floats, distance: float, along: Floats) -> Floats:
-    """x + distance along."""
-    moved = np.empty_like(x)
-    for i in range(len(x)):
-        moved[i] = x[i] + distance * along[i]
-    return moved
-
-
-@kernel
-def _add(weight: float, part: Floats, total: Floats) -> None:
-    for i in range(len(total)):
-        total[i] += weight * part[i]
+    return neighbours.residual(point, None, None) if x is None else neighbours.residual(point, x.ud, x.udd)
 
 
 def static_derivatives(matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours]) -> list[PointDerivative]:

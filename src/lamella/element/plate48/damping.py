@@ -43,7 +43,7 @@ class KelvinVoigtBlock(Plate48Block):
     """
 
     symmetry: Symmetry = "nearly"
-    depends_on_velocity = True
+    depends_on_velocity = linear_in_velocity = True
     elastic: ClassVar[bool] = False
     """Whether the elastic force is added."""
 
@@ -53,7 +53,7 @@ class KelvinVoigtBlock(Plate48Block):
         super().__init__(name, coords, scale, reference, *all_entries())
         self.time, self._arguments = time, self.kernel_arguments(gauss_tables(self, section, n_gauss))
         self._work, self._power = Workspace(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
-        self._unused, self._energies = np.empty(len(self.f_coords)), aligned(self.n_block * WIDTH)
+        self._unused, self._energies = np.zeros(len(self.f_coords)), aligned(self.n_block * WIDTH)
         if len(self._arguments) > 1:
             self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.n_k), self._power.copy()
         self._symmetric_form = SymmetricDampingBlock(self, self._arguments, n_gauss)
@@ -140,7 +140,7 @@ class SymmetricDampingBlock(MatrixFreeBlock):
         n_gauss: Gauss points in each direction.
     """
 
-    depends_on_velocity = True
+    depends_on_velocity = linear_in_velocity = True
 
     def __init__(self, whole: KelvinVoigtBlock, arguments: list[KernelArguments], n_gauss: int) -> None:
         self.name, self._whole, self._arguments = whole.name, whole, arguments
@@ -241,7 +241,7 @@ class MassDampingBlock(ForceBlock):
         rate: c [1/s].
     """
 
-    depends_on_velocity = True
+    depends_on_velocity = linear_in_velocity = True
 
     def __init__(self, name: str, inertia: InertiaBlock, rate: float) -> None:
         self.name = name

@@ -43,7 +43,7 @@ class LinearDampingBlock(ForceBlock):
         self.name, self._shell, self._time = shell.name, shell, time
         self.f_coords, self.f_scale = shell.f_coords, shell.f_scale
         self.k_rows, self.k_cols, self.k_scale = shell.k_rows, shell.k_cols, shell.k_scale
-        self._unused = np.empty(len(self.f_coords))
+        self._unused = np.zeros(len(self.f_coords))
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force c K0 v."""
