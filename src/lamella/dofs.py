@@ -96,12 +96,11 @@ class Signal:
     """A quantity recorded while a solution runs.
 
     Args:
-        name: for example ``tip.position``.
-        unit: for example ``m``.
-        labels: names of the components, empty for a scalar.
+        name, unit, labels: for example ``tip.position`` and ``m``; names of the components, empty for a scalar.
         evaluate: gives the value from a state, shape (len(labels),) or scalar.
         description: a sentence for the result file.
         cumulative, history: whether it depends on all states, those not recorded as well; what it remembers of them.
+        linear: gives the change from one of the state, of a signal that is linear in it but for a constant.
     """
 
     name: str
@@ -111,6 +110,7 @@ class Signal:
     description: str = ""
     cumulative: bool = False
     history: tuple[Memory, ...] = ()
+    linear: Callable[[State], Floats | float] | None = None
 
 
 @dataclass(frozen=True)

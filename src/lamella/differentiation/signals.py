@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from lamella._jit import kernel
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.assembly.product import TangentProduct
+from lamella.differentiation.alike import alike
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.solution import PointDerivative
 from lamella.dofs import Signal
@@ -26,9 +27,9 @@ class SignalDerivatives:
     """Some signals along a solution, with their derivatives by each parameter.
 
     The derivative of y(state(p), p) has two parts, each a central difference of signals: between the neighbours with the unknowns
-    as they are, and along the change of the state. Signals are at most quadratic in velocities and forces, and most are in
-    positions: there differences are exact up to rounding. Reactions change by K dq + D dv + M da + Phi_q^T dlam in all
-    coordinates, exactly.
+    as they are, where their signals differ, and along the change of the state, where a signal is not linear. Signals are at most
+    quadratic in velocities and forces, and most are in positions: there differences are exact up to rounding. Reactions change
+    by K dq + D dv + M da + Phi_q^T dlam in all coordinates, exactly.
 
     Args:
         equations: of the model.
@@ -47,9 +48,14 @@ class SignalDerivatives:
         self._theirs = [[_chosen(side.equations, names) for side in each.sides] for each in neighbours]
         held = tuple(f"{support.name}." for support in equations.model.supports)
         self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
-        self._size = equations.model.magnitude
+        self._per_size = 1.0 / equations.model.magnitude
         self._alike = [[side.equations.same_coordinates(equations) for side in each.sides] for each in neighbours]
-        self._recorded = bool(names)
+        self._differ = [
+            [name for name in names if self._reactions is not None or not all(same) or not _alike([s[name] for s in theirs])]
+            for theirs, same in zip(self._theirs, self._alike, strict=True)
+        ]
+        """Signals that are not the same function of the unknowns in all neighbours."""
+        self._recorded, self._bend = bool(names), not all(signal.linear for signal in self._own.values())
         self.at: list[float] = []
         self.values: dict[str, list[Floats]] = {name: [] for name in names}
         self.derivatives: dict[str, list[Floats]] = {name: [] for name in names}
@@ -65,49 +71,107 @@ class SignalDerivatives:
         state = self._state(self.equations, point)
         if self._reactions is not None:
             self._reactions.look(point, state)
+        here = {name: _value(signal, state) for name, signal in self._own.items()}
         found: dict[str, list[Floats]] = {name: [] for name in self._own}
         alone = self._reactions is None  # else a state has reactions, which are each side's own
-        for each, theirs, alike, known in zip(self.neighbours, self._theirs, self._alike, derivatives, strict=True):
+        everything = zip(self.neighbours, self._theirs, self._alike, self._differ, derivatives, strict=True)
+        for each, theirs, same, differ, known in everything:
             change = self._change(state, known)
-            ends, shares = self._along(each, state, change)
-            sides = [
-                state if alone and same else self._state(side.equations, point)
-                for side, same in zip(each.sides, alike, strict=True)
-            ]
-            weights = [side.weight for side in each.sides]
+            ends, shares = self._along(each, state, change) if self._bend else ((), ())
             for name, signal in self._own.items():
-                here = _value(signal, state)
-                partial = _weighed(here, weights, [s[name] for s in theirs], sides)
-                found[name].append(partial + _weighed(here, shares, [signal] * len(ends), ends))
+                if signal.linear:
+                    found[name].append(np.atleast_1d(signal.linear(change)))
+                else:
+                    found[name].append(_weighed(here[name], shares, [signal] * len(ends), ends))
+            if differ:
+                sides = [
+                    state if alone and one else self._state(side.equations, point)
+                    for side, one in zip(each.sides, same, strict=True)
+                ]
+                weights = [side.weight for side in each.sides]
+                for name in differ:
+                    found[name][-1] += _weighed(here[name], weights, [one[name] for one in theirs], sides)
         self.at.append(point.t if not point.at_rest else point.factor)
-        for name, signal in self._own.items():
-            self.values[name].append(_value(signal, state))
+        for name, value in here.items():
+            self.values[name].append(value)
             self.derivatives[name].append(np.array(found[name]).reshape(len(derivatives), -1))
 
     def _state(self, equations: Equations, point: Point) -> State:
         if self._reactions is not None:
             return equations.state(point)
-        q, v, a = equations.coordinates(point), equations.velocities(point), equations.accelerations(point)
-        return State(point.t, q, v, a, equations.constraints.full(point.lam), np.zeros_like(q), point.factor)
+        made = {
+            "q": lambda: equations.coordinates(point),
+            "v": lambda: equations.velocities(point),
+            "a": lambda: equations.accelerations(point),
+            "lam": lambda: equations.constraints.full(point.lam),
+            "reaction": lambda: np.zeros(equations.model.n_q),
+        }
+        return LateState(point.t, point.factor, made)
 
     def _change(self, state: State, known: PointDerivative) -> State:
         """Derivative of the state, with the unknowns' part of it alone."""
-        expand, full = self.equations.expand, self.equations.constraints.full
-        change = replace(state, q=expand(known.u), v=expand(known.ud), a=expand(known.udd), lam=full(known.lam))
-        held = self._reactions
-        return replace(change, reaction=np.zeros_like(state.q) if held is None else held.change(change, known.lam))
+        equations, held = self.equations, self._reactions
+        made: dict[str, Callable[[], Floats]] = {
+            "q": lambda: equations.expand(known.u),
+            "v": lambda: equations.expand(known.ud),
+            "a": lambda: equations.expand(known.udd),
+            "lam": lambda: equations.constraints.full(known.lam),
+            "reaction": lambda: np.zeros_like(state.q) if held is None else held.change(change, known.lam),
+        }
+        change = LateState(state.t, state.factor, made)
+        return change
 
-    def _along(self, each: Neighbours, state: State, change: State) -> tuple[list[State], list[float]]:
+    def _along(self, each: Neighbours, state: State, change: State) -> tuple[Sequence[State], Sequence[float]]:
         """States along a change, of a small share of the bodies' size, and their weights in a derivative."""
         share, rule = each.rule
-        moved = np.abs(change.q / self._size).max()
-        fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.reaction))
-        step = share / moved if moved > 0.0 else 1.0 / fastest if fastest > 0.0 else 1.0
-        states = []
-        for place, _ in rule:
-            parts = {name: getattr(state, name) + place * step * getattr(change, name) for name in CHANGING}
-            states.append(replace(state, **parts))
-        return states, [weight / step for _, weight in rule]
+        moved = _largest(change.q, self._per_size)
+        if moved > 0.0:
+            step = share / moved
+        else:
+            fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.reaction))
+            step = 1.0 / fastest if fastest > 0.0 else 1.0
+        return [_moved(state, place * step, change) for place, _ in rule], [weight / step for _, weight in rule]
+
+
+class LateState(State):
+    """A state whose parts are made when a signal asks for them; most ask for one.
+
+    Args:
+        t: time [s].
+        factor: load factor.
+        made: makes each part, by name.
+    """
+
+    def __init__(self, t: float, factor: float, made: dict[str, Callable[[], Floats]]) -> None:
+        self.__dict__.update(t=t, factor=factor, made=made)
+
+    def __getattr__(self, name: str) -> Floats:
+        """A part that was not asked for yet."""
+        if name not in CHANGING:
+            raise AttributeError(name)
+        made: Callable[[], Floats] = self.__dict__["made"][name]
+        part = self.__dict__[name] = made()
+        return part
+
+
+def _moved(state: State, distance: float, change: State) -> State:
+    """The state at a distance along a change."""
+
+    def made(name: str) -> Callable[[], Floats]:
+        return lambda: getattr(state, name) + distance * getattr(change, name)
+
+    return LateState(state.t, state.factor, {name: made(name) for name in CHANGING})
+
+
+@kernel
+def _largest(x: Floats, per_size: Floats) -> float:
+    """The largest entry, relative to sizes; not a number when one is none."""
+    largest = 0.0
+    for i in range(len(x)):
+        one = abs(x[i] * per_size[i])
+        if not one <= largest:
+            largest = one
+    return largest
 
 
 class Reactions:
@@ -146,6 +210,11 @@ def _chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:
     if not known.keys() >= set(names):
         known |= {signal.name: signal for signal in system_signals(equations)}
     return {name: known[name] for name in names}
+
+
+def _alike(signals: Sequence[Signal]) -> bool:
+    first, *others = (signal.evaluate for signal in signals)
+    return all(alike(first, other) for other in others)
 
 
 def _value(signal: Signal, state: State) -> Floats:
