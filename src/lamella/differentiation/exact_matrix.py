@@ -169,21 +169,21 @@ class ExactMatrix:
         return self._residual(r, s, z)
 
     def _by_products(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        n, negative = self.equations.n_u, self._negative_product(*self._at)
+        n, linear, negative = self.equations.n_u, self.linear, self._negative_product(*self._at)
         if not self.equations.n_lam:
-            return lambda r, s, z: self.linear.solve(negative(r, z), s)[0]
+            return lambda r, s, z: linear.solve(negative(r, z), s)[0]
         J = self.equations.jacobian(self._at[0])
 
         def lacking(r: Floats, s: Floats, z: Floats) -> Floats:
             x, y = z[:n], z[n:]
-            return np.concatenate(self.linear.solve(negative(r + J.T @ y, x), -(s + J @ x)))
+            return np.concatenate(linear.solve(negative(r + J.T @ y, x), -(s + J @ x)))
 
         return lacking
 
     def _by_skew_part(self) -> Callable[[Floats, Floats, Floats], Floats]:
         """As the matrix at hand is the symmetric part of A."""
-        n, skew = self.equations.n_u, self.equations.skew_part()
-        return lambda r, s, z: np.concatenate(self.linear.solve(-(r + skew(z[:n])), -s)) - z
+        n, linear, skew = self.equations.n_u, self.linear, self.equations.skew_part()
+        return lambda r, s, z: np.concatenate(linear.solve(-(r + skew(z[:n])), -s)) - z
 
 
 def exact(equations: Equations) -> Equations:

@@ -15,6 +15,8 @@ MEMORY = 8
 """Values from which the next one is predicted, beside the last."""
 DEPENDENT = 1e-9
 """Share of a value which others leave of it, below which it is not used: it is rounding."""
+FAR = 0.1
+"""Error of the estimate, as a share of the solution, beyond which nothing is predicted: motion without damping."""
 SERVES = 1e-3
 """Error of a guess, as a share of the solution, up to which it is worth a product: from zero the first one leaves as much."""
 
@@ -85,6 +87,10 @@ def _learn(
         values[at + i] = e
     of_estimate = sqrt(off / size)
     of_prediction = sqrt(left / size) if known > 2 else of_estimate
+    if of_estimate > FAR:
+        for i in range(n):
+            following[i] = 0.0
+        return of_prediction, of_estimate
     used = 0
     for k in range(min(known - 1, MEMORY)):  # those before the latest, made orthonormal one after the other: q R
         row = (latest - 1 - k) % (MEMORY + 1) * n

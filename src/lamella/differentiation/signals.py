@@ -19,6 +19,8 @@ from lamella.roles import Floats
 from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.state import State
 
+Parts = dict[str, Callable[[State], Floats]]
+"""What makes the parts of a state, by name."""
 CHANGING = ("q", "v", "a", "lam", "reaction")
 """What a state consists of beside time and load factor."""
 
@@ -99,27 +101,26 @@ class SignalDerivatives:
     def _state(self, equations: Equations, point: Point) -> State:
         if self._reactions is not None:
             return equations.state(point)
-        made = {
-            "q": lambda: equations.coordinates(point),
-            "v": lambda: equations.velocities(point),
-            "a": lambda: equations.accelerations(point),
-            "lam": lambda: equations.constraints.full(point.lam),
-            "reaction": lambda: np.zeros(equations.model.n_q),
+        made: Parts = {
+            "q": lambda _: equations.coordinates(point),
+            "v": lambda _: equations.velocities(point),
+            "a": lambda _: equations.accelerations(point),
+            "lam": lambda _: equations.constraints.full(point.lam),
+            "reaction": lambda _: np.zeros(equations.model.n_q),
         }
         return LateState(point.t, point.factor, made)
 
     def _change(self, state: State, known: PointDerivative) -> State:
         """Derivative of the state, with the unknowns' part of it alone."""
         equations, held = self.equations, self._reactions
-        made: dict[str, Callable[[], Floats]] = {
-            "q": lambda: equations.expand(known.u),
-            "v": lambda: equations.expand(known.ud),
-            "a": lambda: equations.expand(known.udd),
-            "lam": lambda: equations.constraints.full(known.lam),
-            "reaction": lambda: np.zeros_like(state.q) if held is None else held.change(change, known.lam),
+        made: Parts = {
+            "q": lambda _: equations.expand(known.u),
+            "v": lambda _: equations.expand(known.ud),
+            "a": lambda _: equations.expand(known.udd),
+            "lam": lambda _: equations.constraints.full(known.lam),
+            "reaction": lambda change: np.zeros_like(change.q) if held is None else held.change(change, known.lam),
         }
-        change = LateState(state.t, state.factor, made)
-        return change
+        return LateState(state.t, state.factor, made)
 
     def _along(self, each: Neighbours, state: State, change: State) -> tuple[Sequence[State], Sequence[float]]:
         """States along a change, of a small share of the bodies' size, and their weights in a derivative."""
@@ -139,26 +140,26 @@ class LateState(State):
     Args:
         t: time [s].
         factor: load factor.
-        made: makes each part, by name.
+        made: makes each part, by name, from the state itself: one that knew it already would wait for the garbage collector.
     """
 
-    def __init__(self, t: float, factor: float, made: dict[str, Callable[[], Floats]]) -> None:
+    def __init__(self, t: float, factor: float, made: Parts) -> None:
         self.__dict__.update(t=t, factor=factor, made=made)
 
     def __getattr__(self, name: str) -> Floats:
         """A part that was not asked for yet."""
         if name not in CHANGING:
             raise AttributeError(name)
-        made: Callable[[], Floats] = self.__dict__["made"][name]
-        part = self.__dict__[name] = made()
+        made: Parts = self.__dict__["made"]
+        part = self.__dict__[name] = made[name](self)
         return part
 
 
 def _moved(state: State, distance: float, change: State) -> State:
     """The state at a distance along a change."""
 
-    def made(name: str) -> Callable[[], Floats]:
-        return lambda: getattr(state, name) + distance * getattr(change, name)
+    def made(name: str) -> Callable[[State], Floats]:
+        return lambda _: getattr(state, name) + distance * getattr(change, name)
 
     return LateState(state.t, state.factor, {name: made(name) for name in CHANGING})
 
