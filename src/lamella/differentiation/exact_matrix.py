@@ -21,7 +21,7 @@ ENOUGH = 3e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-WORTH = 6
+WORTH = 5
 """Products at a point, beyond those with a new matrix, after which the next one gets a new matrix: to evaluate and factorise that
 costs some ten."""
 
