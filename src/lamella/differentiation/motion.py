@@ -116,6 +116,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
         self.matrix = ExactMatrix(equations, newton.linear)
         self._adopt, self._turn_to = newton.adopt, newton.turn_to
+        newton.patience = int(self.linear.pattern.symmetric and equations.is_exact)  # undamped, derivatives renew the matrix
         self.derivatives: list[PointDerivative] = []
         self._predictions = [Prediction(equations.magnitude) for _ in self.neighbours]
 
