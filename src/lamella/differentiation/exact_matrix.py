@@ -21,9 +21,11 @@ ENOUGH = 3e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-WORTH = 5
-"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix: to evaluate and factorise that
-costs some ten."""
+WORTH, DEAR = 5, 10
+"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix; and after which the next
+``TRIES`` get one each: to evaluate and factorise it costs as much as some ten."""
+TRIES = 10
+"""Points with new matrices one after another, before one is tried again that goes on with the last."""
 
 
 class ExactMatrix:
@@ -55,7 +57,7 @@ class ExactMatrix:
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
         self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
-        self._spent = self._least = 0
+        self._spent = self._least = self._beyond = self._tries = 0
         self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
         self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
 
@@ -82,7 +84,13 @@ class ExactMatrix:
 
         Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
         """
-        if self._outlasts and (self.renewed is not None or self._spent <= self._least + WORTH):
+        if self.renewed is None:
+            self._beyond, self._tries = self._spent - self._least, 0
+            enough = self._beyond <= WORTH
+        else:
+            self._tries += 1
+            enough = self._beyond <= DEAR or self._tries > TRIES
+        if self._outlasts and enough:
             self._begin(point, weights)
         else:
             self.factorise(point, weights)
