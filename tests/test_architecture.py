@@ -32,6 +32,7 @@ LAYERS = [
         "_compiler",
         "_jit",
         "lane",
+        "lane_rows",
         "threads",
     },
     {"math"},

@@ -66,7 +66,7 @@ def either(*kinds: Kind) -> Kind:
     return Kind(lambda value: any(kind.accepts(value) for kind in kinds), " or ".join(kind.words for kind in kinds))
 
 
-def checked(**kinds: Kind) -> Callable[[Callable[Parameters, Returned]], Callable[Parameters, Returned]]:
+def accepts(**kinds: Kind) -> Callable[[Callable[Parameters, Returned]], Callable[Parameters, Returned]]:
     """Let a function refuse arguments that are not of their kind; those not named are left to the function.
 
     Args:

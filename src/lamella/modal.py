@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.accepted import STATE, SYSTEM
-from lamella.arguments import WHOLE, checked
+from lamella.arguments import WHOLE, accepts
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC
 from lamella.errors import DeclarationError, ModelError
@@ -54,7 +54,7 @@ class Modes(Shapes):
         return self.frequencies
 
 
-@checked(
+@accepts(
     system=SYSTEM,
     n=WHOLE,
     state=STATE,

@@ -10,7 +10,7 @@ from math import ceil
 import numpy as np
 
 from lamella.accepted import EQUATIONS, FAILURE, SOLVER, STATE
-from lamella.arguments import NUMBER, WHOLE, checked, instance, optional
+from lamella.arguments import NUMBER, WHOLE, accepts, instance, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.compilation import compilation_notice
@@ -42,7 +42,7 @@ KEEP_STEP = 1.2
 """Growth below which a step keeps its size, and with it the factorisation."""
 
 
-@checked(
+@accepts(
     system=EQUATIONS,
     t_end=NUMBER,
     integrator=instance("an integrator such as GeneralizedAlpha(dt=1e-3)", Integrator),

@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.sparse import linalg
 
 from lamella.accepted import STATE, SYSTEM
-from lamella.arguments import NUMBER, WHOLE, checked
+from lamella.arguments import NUMBER, WHOLE, accepts
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, SingularSystemError
@@ -60,7 +60,7 @@ class Buckling(Shapes):
         return self.factors
 
 
-@checked(
+@accepts(
     system=SYSTEM,
     n=WHOLE,
     t=NUMBER,

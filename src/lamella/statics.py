@@ -10,7 +10,7 @@ from math import isfinite
 import numpy as np
 
 from lamella.accepted import EQUATIONS, FAILURE, SOLVER, SYSTEM
-from lamella.arguments import NUMBER, WHOLE, checked, either, instance, numbers, optional
+from lamella.arguments import NUMBER, WHOLE, accepts, either, instance, numbers, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.compilation import compilation_notice
@@ -42,7 +42,7 @@ STATIC_ARGUMENTS = {
 }
 
 
-@checked(
+@accepts(
     system=EQUATIONS,
     steps=either(WHOLE, numbers("ascending numbers")),
     times=optional(numbers("ascending numbers")),
@@ -118,7 +118,7 @@ def equilibrium(
     return run.close(outcome, on_failure)
 
 
-@checked(
+@accepts(
     system=SYSTEM,
     until=optional(NUMBER),
     arc=optional(instance("ArcLength(...)", ArcLength)),

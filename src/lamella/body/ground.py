@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import Field
 
-from lamella.arguments import NUMBER, TEXT, checked
+from lamella.arguments import NUMBER, TEXT, accepts
 from lamella.body.base import Body, Marker
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
@@ -33,7 +33,7 @@ class Ground(Body):
 
     has_axes = True
 
-    @checked(name=TEXT, x=NUMBER, y=NUMBER, z=NUMBER)
+    @accepts(name=TEXT, x=NUMBER, y=NUMBER, z=NUMBER)
     def marker(self, name: str, x: float, y: float, z: float) -> Marker:
         """A named point (x, y, z) [m] fixed in space."""
         at = (float(x), float(y), float(z))

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from lamella import units
-from lamella.arguments import NUMBER, TEXT, checked
+from lamella.arguments import NUMBER, TEXT, accepts
 from lamella.body.base import Body, Marker
 from lamella.body.rigid_frame import RigidFrame, RigidInertia, unit_length_rows
 from lamella.body.shape import Box, Cylinder, Sphere
@@ -107,7 +107,7 @@ class RigidBody(Body):
         inertia = self.inertia_matrix()
         return 0.5 * np.trace(inertia) * np.eye(3) - inertia
 
-    @checked(name=TEXT, x=NUMBER, y=NUMBER, z=NUMBER)
+    @accepts(name=TEXT, x=NUMBER, y=NUMBER, z=NUMBER)
     def marker(self, name: str, x: float, y: float, z: float) -> Marker:
         """A named point (x, y, z) [m] in the body's axes; it is recorded when the body is in a system."""
         at = (float(x), float(y), float(z))

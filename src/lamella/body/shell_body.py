@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from lamella.arguments import NUMBER, TEXT, checked
+from lamella.arguments import NUMBER, TEXT, accepts
 from lamella.body.base import Body, Marker
 from lamella.body.mesh import PlateMesh
 from lamella.body.plate_frame import plate_frame, rigid_rows
@@ -161,7 +161,7 @@ class ShellBody(MeshedBody):
         for name, at in self.markers.items():
             self._check_inside(name, at)
 
-    @checked(name=TEXT, x=NUMBER, y=NUMBER)
+    @accepts(name=TEXT, x=NUMBER, y=NUMBER)
     def marker(self, name: str, x: float, y: float) -> Marker:
         """A named point of the reference surface at (x, y) [m]; it is recorded when the body is in a system."""
         if name in self.markers and self.markers[name] != (x, y):

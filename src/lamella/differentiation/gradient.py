@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lamella.arguments import NUMBER, TEXT, checked, either, instance, mapping, optional
+from lamella.arguments import NUMBER, TEXT, accepts, either, instance, mapping, optional
 from lamella.assembly.equations import Equations
 from lamella.differentiation.chain import Chain, refuse
 from lamella.differentiation.family import Family, FileFamily, FunctionFamily, Values
@@ -56,7 +56,7 @@ class Gradient:
         return np.array([self.derivatives[name] for name in self.values]).reshape(len(self.values), len(self.at))
 
 
-@checked(
+@accepts(
     at=mapping(either(NUMBER, TEXT)),
     outputs=mapping(instance("outputs such as SignalOutput(...)", StudyOutput)),
     parameters=optional(mapping(instance("Parameter(...)", Parameter))),

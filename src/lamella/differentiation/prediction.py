@@ -6,9 +6,9 @@ from math import sqrt
 
 import numpy as np
 
-from lamella._jit import inner, kernel, njit
-from lamella.differentiation.residuals import add_row
-from lamella.lane import WIDTH, load_at, spread, total
+from lamella._jit import kernel, njit
+from lamella.lane import WIDTH
+from lamella.lane_rows import add_row, dot
 from lamella.roles import Floats
 
 MEMORY = 8
@@ -97,10 +97,10 @@ def _learn(
         for i in range(n):
             q[k * n + i] = values[row + i]
         for j in range(k):
-            R[j, k] = _dot(q, j * n, q, k * n, n)
+            R[j, k] = dot(q, j * n, q, k * n, n)
             add_row(q, k * n, -R[j, k], q, j * n, n)
-        R[k, k] = sqrt(_dot(q, k * n, q, k * n, n))
-        if not R[k, k] > DEPENDENT * sqrt(_dot(values, row, values, row, n)):
+        R[k, k] = sqrt(dot(q, k * n, q, k * n, n))
+        if not R[k, k] > DEPENDENT * sqrt(dot(values, row, values, row, n)):
             break
         for i in range(k * n, k * n + n):
             q[i] /= R[k, k]
@@ -108,7 +108,7 @@ def _learn(
     for i in range(n):
         following[i] = values[at + i]
     for k in range(used):
-        a[k] = _dot(q, k * n, following, 0, n)
+        a[k] = dot(q, k * n, following, 0, n)
         add_row(following, 0, -a[k], q, k * n, n)
     for k in range(used - 1, -1, -1):
         for j in range(k + 1, used):
@@ -119,11 +119,3 @@ def _learn(
     for k in range(used):
         add_row(following, 0, a[k], values, (latest - k) % (MEMORY + 1) * n, n)
     return of_prediction, of_estimate
-
-
-@inner
-def _dot(x: Floats, x_at: int, y: Floats, y_at: int, n: int) -> float:
-    sums = spread(0.0)
-    for i in range(0, n, WIDTH):
-        sums = sums + load_at(x, x_at + i) * load_at(y, y_at + i)
-    return total(sums)

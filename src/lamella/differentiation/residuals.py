@@ -7,7 +7,8 @@ from math import sqrt
 import numpy as np
 
 from lamella._jit import inner, kernel
-from lamella.lane import WIDTH, load_at, spread, store_at, total
+from lamella.lane import WIDTH
+from lamella.lane_rows import add_row, weighed_dot
 from lamella.roles import Floats
 
 
@@ -80,10 +81,10 @@ def _improve(
     for i in range(len(lacking)):
         images[at + i] = -lacking[i]
     for before in range(0, at, n):
-        share = _scalar_product(images, before, images, at, weights)
+        share = weighed_dot(images, before, images, at, weights)
         add_row(directions, at, -share, directions, before, n)
         add_row(images, at, -share, images, before, n)
-    factor = 1.0 / sqrt(_scalar_product(images, at, images, at, weights))
+    factor = 1.0 / sqrt(weighed_dot(images, at, images, at, weights))
     for i in range(at, at + n):
         directions[i] *= factor
         images[i] *= factor
@@ -95,27 +96,12 @@ def _improve(
 def _take(z: Floats, left: Floats, k: int, directions: Floats, images: Floats, weights: Floats) -> None:
     """Take the share of a direction in what is left into z."""
     n = len(left)
-    share = _scalar_product(images, k * n, left, 0, weights)
+    share = weighed_dot(images, k * n, left, 0, weights)
     add_row(z, 0, share, directions, k * n, n)
     add_row(left, 0, -share, images, k * n, n)
 
 
 @inner
 def _share(z: Floats, left: Floats, weights: Floats) -> float:
-    size, rest = _scalar_product(z, 0, z, 0, weights), _scalar_product(left, 0, left, 0, weights)
+    size, rest = weighed_dot(z, 0, z, 0, weights), weighed_dot(left, 0, left, 0, weights)
     return sqrt(rest / size) if size > 0.0 else np.inf if rest > 0.0 else 0.0
-
-
-@inner
-def _scalar_product(x: Floats, x_at: int, y: Floats, y_at: int, weights: Floats) -> float:
-    sums = spread(0.0)
-    for i in range(0, len(weights), WIDTH):
-        sums = sums + load_at(weights, i) * load_at(x, x_at + i) * load_at(y, y_at + i)
-    return total(sums)
-
-
-@inner
-def add_row(x: Floats, at: int, factor: float, y: Floats, y_at: int, n: int) -> None:
-    """x[at : at + n] += factor y[y_at : y_at + n]"""
-    for i in range(0, n, WIDTH):
-        store_at(x, at + i, load_at(x, at + i) + factor * load_at(y, y_at + i))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.accepted import STATE, SYSTEM
-from lamella.arguments import checked
+from lamella.arguments import accepts
 from lamella.errors import DeclarationError
 from lamella.linear.basis import all_motions, lowest_motions
 from lamella.linear.inputs import Effect, Inputs, effects
@@ -29,7 +29,7 @@ ROUNDING = 1e-15
 """An entry of a reduced matrix below this share of the sum of its terms' sizes is what rounding has left of zero."""
 
 
-@checked(
+@accepts(
     system=SYSTEM,
     state=STATE,
 )

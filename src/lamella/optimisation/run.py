@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lamella.arguments import checked, instance
+from lamella.arguments import accepts, instance
 from lamella.assembly.equations import Equations
 from lamella.differentiation.chain import refuse
 from lamella.differentiation.family import FileFamily
@@ -80,7 +80,7 @@ class OptimisationResult:
         return table
 
 
-@checked(problem=instance("an Optimisation, or what read_optimisation gives", Optimisation, OptimisationFile))
+@accepts(problem=instance("an Optimisation, or what read_optimisation gives", Optimisation, OptimisationFile))
 def run_optimisation(
     problem: Optimisation | OptimisationFile,
     folder: str | Path,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from lamella._jit import kernel
-from lamella.lane import WIDTH, load_at, spread, total
+from lamella.lane import WIDTH
+from lamella.lane_rows import add_row, weighed_dot
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
-from lamella.solve.secant import add_row
 
 MEMORY = 8
 """Steps remembered, after which the updates begin anew."""
@@ -54,15 +54,6 @@ class BroydenCorrections:
 
 
 @kernel
-def _product(a: Floats, at: int, weights: Floats, x: Floats) -> float:
-    """a[at : at + n] . W x"""
-    sums = spread(0.0)
-    for i in range(0, len(x), WIDTH):
-        sums = sums + load_at(a, at + i) * load_at(weights, i) * load_at(x, i)
-    return total(sums)
-
-
-@kernel
 def _next_step(x: Floats, lam: Floats, made: int, s: Floats, squares: Floats, weights: Floats, z: Floats) -> int:
     """z <- -H (r, phi) from A^-1 (r, phi) = (x, lam) and the ``made`` steps in the rows of ``s``, and store it as the next.
 
@@ -77,9 +68,9 @@ def _next_step(x: Floats, lam: Floats, made: int, s: Floats, squares: Floats, we
     if made == MEMORY:
         made = 0
     for k in range(made - 1):
-        add_row(z, _product(s, k * n, weights, z) / squares[k], s, (k + 1) * n)
+        add_row(z, 0, weighed_dot(s, k * n, z, 0, weights) / squares[k], s, (k + 1) * n, n)
     if made > 0:
-        share = _product(s, (made - 1) * n, weights, z) / squares[made - 1]
+        share = weighed_dot(s, (made - 1) * n, z, 0, weights) / squares[made - 1]
         if share < MOST_SHARE:
             for i in range(n):
                 z[i] /= 1.0 - share
@@ -87,5 +78,5 @@ def _next_step(x: Floats, lam: Floats, made: int, s: Floats, squares: Floats, we
             made = 0
     for i in range(n):
         s[made * n + i] = z[i]
-    squares[made] = _product(z, 0, weights, z)
+    squares[made] = weighed_dot(z, 0, z, 0, weights)
     return made + 1

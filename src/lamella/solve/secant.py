@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella._jit import inner, kernel
-from lamella.lane import WIDTH, load_at, spread, store_at, total
+from lamella._jit import kernel
+from lamella.lane import WIDTH, load_at, store_at
+from lamella.lane_rows import add_row, dot
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 
@@ -58,22 +59,6 @@ class SecantCorrections:
         return self._du, self._dlam
 
 
-@inner
-def _dot(a: Floats, at: int, x: Floats) -> float:
-    """a[at : at + n] . x"""
-    sums = spread(0.0)
-    for i in range(0, len(x), WIDTH):
-        sums = sums + load_at(a, at + i) * load_at(x, i)
-    return total(sums)
-
-
-@inner
-def add_row(x: Floats, factor: float, a: Floats, at: int) -> None:
-    """x += factor a[at : at + n]"""
-    for i in range(0, len(x), WIDTH):
-        store_at(x, i, load_at(x, i) + factor * load_at(a, at + i))
-
-
 @kernel
 def _before(
     r: Floats, phi: Floats, learns: bool, learnt: int,
@@ -93,8 +78,8 @@ def _before(
     for i in range(len(phi)):
         h[len(r) + i] = phi[i]
     if learns:
-        stiffness = -_dot(z, 0, g)
-        product = _dot(z, 0, h) + stiffness
+        stiffness = -dot(z, 0, g, 0, n)
+        product = dot(z, 0, h, 0, n) + stiffness
         if product * stiffness > LEAST_SHARE * stiffness**2:
             row = learnt % MEMORY
             for i in range(0, n, WIDTH):
@@ -106,8 +91,8 @@ def _before(
         g[i] = h[i]
     for i in range(learnt - 1, max(learnt - MEMORY, 0) - 1, -1):
         row = i % MEMORY
-        shares[row] = _dot(s, row * n, h) / sy[row]
-        add_row(h, -shares[row], y, row * n)
+        shares[row] = dot(s, row * n, h, 0, n) / sy[row]
+        add_row(h, 0, -shares[row], y, row * n, n)
     return learnt
 
 
@@ -121,6 +106,6 @@ def _after(x: Floats, lam: Floats, learnt: int, s: Floats, y: Floats, sy: Floats
         z[len(x) + i] = lam[i]
     for i in range(max(learnt - MEMORY, 0), learnt):
         row = i % MEMORY
-        add_row(z, shares[row] - _dot(y, row * n, z) / sy[row], s, row * n)
+        add_row(z, 0, shares[row] - dot(y, row * n, z, 0, n) / sy[row], s, row * n, n)
     for i in range(n):
         z[i] = -z[i]

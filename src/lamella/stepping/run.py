@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lamella.accepted import SOLVER, STATE, SYSTEM
-from lamella.arguments import NUMBER, checked, instance
+from lamella.arguments import NUMBER, accepts, instance
 from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ModelError
 from lamella.integrate.base import Integrator
@@ -72,7 +72,7 @@ class Stepping:
         ModelError: joints lock the system, or it is described in a frame that spins.
     """
 
-    @checked(
+    @accepts(
         system=SYSTEM,
         integrator=instance("an integrator such as GeneralizedAlpha(dt=1e-3)", Integrator),
         t_start=NUMBER,
