@@ -232,6 +232,18 @@ def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
 
 
 @intrinsic
+def put_at(typing_context: Any, array: Any, index: types.Type, number: types.Type) -> Any:
+    """``put_at(array, index, number)``: array[index] = number, as :func:`number_at` reads it."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = cgutils.create_struct_proxy(sig.args[0])(context, builder, args[0]).data
+        builder.store(args[2], builder.gep(data, [args[1]]))
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, array.dtype), generate
+
+
+@intrinsic
 def store_at(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
     """``store_at(array, index, lane)``: write a lane, or a number for all, to the entries index ... index + WIDTH - 1."""
     return types.none(array, types.intp, value), _storer(1)

@@ -12,7 +12,7 @@ import pytest
 
 from lamella._jit import CACHE_FOLDER, inlined, inner, njit, watched
 from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
-from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, spread, sqrt, store, store_at, total
+from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, put_at, spread, sqrt, store, store_at, total
 
 
 @inlined
@@ -32,7 +32,7 @@ def evaluate(a, b, out):
     store(out, 15, spread(1.5))
     store_at(out, 16 * WIDTH, 2.5)
     out[17 * WIDTH] = total(u)
-    out[17 * WIDTH + 1] = number_at(b, WIDTH + 2)
+    put_at(out, 17 * WIDTH + 1, number_at(b, WIDTH + 2))
 
 
 @njit

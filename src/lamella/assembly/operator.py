@@ -11,7 +11,7 @@ from scipy import sparse
 
 from lamella._jit import inlined, kernel, shared
 from lamella.assembly.pattern_kernels import count_terms, in_layers, order_terms, runs_of, tabulated
-from lamella.lane import WIDTH, load_at, number_at, spread, store_at
+from lamella.lane import WIDTH, load_at, number_at, put_at, spread, store_at
 from lamella.roles import Bools, Floats, Indices, Ints
 
 
@@ -158,7 +158,8 @@ def _add_parts(
             for run in range(starts[part], starts[part + 1]):
                 ahead = runs[run, 2]
                 for i in range(runs[run, 0], runs[run, 1]):
-                    out[targets[i]] += table[codes[i]] * number_at(x, i + ahead)
+                    to = number_at(targets, i)
+                    put_at(out, to, number_at(out, to) + number_at(table, number_at(codes, i)) * number_at(x, i + ahead))
 
 
 class VectorOperator:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from lamella._jit import inlined, inner, shared
-from lamella.lane import WIDTH, load_at, number_at, store_at
+from lamella.lane import WIDTH, load_at, number_at, put_at, store_at
 from lamella.roles import Floats, Indices, Ints
 
 BLOCK = 96
@@ -213,11 +213,11 @@ def extend_add(
             if target < p:
                 column = a0 + target * a_len
                 for i in range(r, last):
-                    _add(a, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
+                    add_entries(a, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
             else:
                 column = t0 + (target - p) * t_len - p
                 for i in range(r, last):
-                    _add(u, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
+                    add_entries(u, column + runs[i, 1], u, source + runs[i, 0], runs[i, 2])
 
 
 @inner
@@ -228,14 +228,14 @@ def clear(c: Floats, c0: int, n: int) -> None:
 
 
 @inlined
-def _add(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
+def add_entries(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
     """c[c0:] += d[d0:] for n entries."""
     i = 0
     while i + WIDTH <= n:
         store_at(c, c0 + i, load_at(c, c0 + i) + load_at(d, d0 + i))
         i += WIDTH
     while i < n:
-        c[c0 + i] += d[d0 + i]
+        put_at(c, c0 + i, number_at(c, c0 + i) + number_at(d, d0 + i))
         i += 1
 
 
@@ -247,8 +247,8 @@ def _assemble(
     p, a_len, a0, u_len, u0 = fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 5], fronts[f, 6]
     clear(a, a0, a_len * p)
     for i in range(starts[f], starts[f + 1]):
-        entry = entries[i]
-        a[slots[i]] = number_at(k, entry) if entry >= 0 else 1.0
+        entry = number_at(entries, i)
+        put_at(a, number_at(slots, i), number_at(k, entry) if entry >= 0 else 1.0)
     clear(u, u0, u_len * u_len)
     child = fronts[f, 9]
     while child >= 0:

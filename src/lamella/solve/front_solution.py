@@ -3,8 +3,21 @@
 from __future__ import annotations
 
 from lamella._jit import inlined, inner, kernel, shared
-from lamella.lane import WIDTH, load_at, spread, store_at, total
+from lamella.lane import WIDTH, load_at, number_at, put_at, spread, store_at, total
 from lamella.roles import Floats, Ints
+from lamella.solve.front_kernels import add_entries
+
+
+@inlined
+def _copy(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
+    """c[c0:] = d[d0:] for n entries. With small fronts to move numbers one by one takes nearly as long as the arithmetic."""
+    i = 0
+    while i + WIDTH <= n:
+        store_at(c, c0 + i, load_at(d, d0 + i))
+        i += WIDTH
+    while i < n:
+        put_at(c, c0 + i, number_at(d, d0 + i))
+        i += 1
 
 
 @inner
@@ -37,15 +50,15 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
         c0 = a0 + k * a_len
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
         d0, d1, d2, d3 = 1.0 / a[c0 + k], 1.0 / a[c1 + k + 1], 1.0 / a[c2 + k + 2], 1.0 / a[c3 + k + 3]
-        x0, x1, x2, x3 = y[k], y[k + 1], y[k + 2], y[k + 3]
+        x0, x1, x2, x3 = number_at(y, k), number_at(y, k + 1), number_at(y, k + 2), number_at(y, k + 3)
         row = k + 4
         while row % WIDTH:
-            known = y[row]
+            known = number_at(y, row)
             x0, x1, x2, x3 = (
-                x0 - a[c0 + row] * known,
-                x1 - a[c1 + row] * known,
-                x2 - a[c2 + row] * known,
-                x3 - a[c3 + row] * known,
+                x0 - number_at(a, c0 + row) * known,
+                x1 - number_at(a, c1 + row) * known,
+                x2 - number_at(a, c2 + row) * known,
+                x3 - number_at(a, c3 + row) * known,
             )
             row += 1
         if row < a_len:
@@ -64,9 +77,9 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
                 s2, s3 = s2 + load_at(a, c2 + row) * known, s3 + load_at(a, c3 + row) * known
             x0, x1, x2, x3 = x0 - total(s0 + t0), x1 - total(s1 + t1), x2 - total(s2 + t2), x3 - total(s3 + t3)
         x3 = x3 * d3
-        x2 = (x2 - a[c2 + k + 3] * x3) * d2
-        x1 = (x1 - a[c1 + k + 3] * x3 - a[c1 + k + 2] * x2) * d1
-        x0 = (x0 - a[c0 + k + 3] * x3 - a[c0 + k + 2] * x2 - a[c0 + k + 1] * x1) * d0
+        x2 = (x2 - number_at(a, c2 + k + 3) * x3) * d2
+        x1 = (x1 - number_at(a, c1 + k + 3) * x3 - number_at(a, c1 + k + 2) * x2) * d1
+        x0 = (x0 - number_at(a, c0 + k + 3) * x3 - number_at(a, c0 + k + 2) * x2 - number_at(a, c0 + k + 1) * x1) * d0
         y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
 
 
@@ -78,22 +91,18 @@ def _forward_fronts(order: Ints, fronts: Ints, runs: Ints, a: Floats, signs: Flo
     """
     for f in order:
         first, p, a_len, a0, n, start = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 4], fronts[f, 7]
-        for i in range(p):
-            y[i] = x[first + i]
-        for i in range(p, a_len):
-            y[i] = 0.0
+        _copy(y, 0, x, first, p)
+        for i in range(p, a_len, WIDTH):
+            store_at(y, i, 0.0)
         child = fronts[f, 9]
         while child >= 0:
             for r in range(fronts[child, 8], fronts[child + 1, 8]):
-                source, target = fronts[child, 7] + runs[r, 0], runs[r, 1]
-                for i in range(runs[r, 2]):
-                    y[target + i] += rest[source + i]
+                add_entries(y, runs[r, 1], rest, fronts[child, 7] + runs[r, 0], runs[r, 2])
             child = fronts[child, 10]
         _forward(a, a0, a_len, p, y)
         for i in range(p):
-            x[first + i] = y[i] * signs[first + i]
-        for i in range(n):
-            rest[start + i] = y[p + i]
+            put_at(x, first + i, number_at(y, i) * number_at(signs, first + i))
+        _copy(rest, start, y, p, n)
 
 
 @shared
@@ -108,15 +117,13 @@ def _backward_fronts(order: Ints, fronts: Ints, rows: Ints, c: Floats, x: Floats
     for k in range(len(order) - 1, -1, -1):
         f = order[k]
         first, p, a_len, a0, n, start = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 4], fronts[f, 7]
-        for i in range(p):
-            y[i] = x[first + i]
+        _copy(y, 0, x, first, p)
         for i in range(n):
-            y[p + i] = x[rows[start + i]]
+            put_at(y, p + i, number_at(x, number_at(rows, start + i)))
         for i in range(p + n, a_len):
-            y[i] = 0.0
+            put_at(y, i, 0.0)
         _backward(c, a0, a_len, p, y)
-        for i in range(p):
-            x[first + i] = y[i]
+        _copy(x, first, y, 0, p)
 
 
 @shared
@@ -148,7 +155,7 @@ def solve(
         signs: signs S by position.
         x: right-hand side and solution by position, zero at padded pivots.
         rest: workspace, as long as ``rows``.
-        y: workspace of the longest panel column.
+        y: workspace of the longest panel column, and ``WIDTH``.
     """
     _solve(order, fronts, rows, runs, a, c, signs, x, rest, y)
 

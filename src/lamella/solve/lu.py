@@ -50,7 +50,7 @@ class MultifrontalLU:
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
         self._u, self._v = aligned(layout.update_size), aligned(layout.update_size)
         self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
-        self._b, self._y = aligned(BLOCK * layout.longest + WIDTH), aligned(layout.longest)
+        self._b, self._y = aligned(BLOCK * layout.longest + WIDTH), aligned(layout.longest + WIDTH)
         self._order, self._rest = np.arange(len(layout.fronts) - 1), np.zeros(len(layout.rows))
 
     def factorise(self, k: Floats, more: Floats) -> int:

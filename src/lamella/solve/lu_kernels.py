@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import inlined, inner, kernel
-from lamella.lane import WIDTH, load_at, number_at, store_at
+from lamella.lane import WIDTH, load_at, number_at, put_at, store_at
 from lamella.roles import Floats, Indices, Ints
 from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
 
@@ -178,9 +178,9 @@ def factorise(
         clear(a, a0, p * a_len)
         clear(c, a0, p * a_len)
         for i in range(entries.starts[2 * f], entries.starts[2 * f + 1]):
-            panels[entries.slots[i]] = number_at(k, number_at(entries.sources, i))
+            put_at(panels, number_at(entries.slots, i), number_at(k, number_at(entries.sources, i)))
         for i in range(entries.starts[2 * f + 1], entries.starts[2 * f + 2]):
-            panels[entries.slots[i]] = number_at(more, number_at(entries.sources, i))
+            put_at(panels, number_at(entries.slots, i), number_at(more, number_at(entries.sources, i)))
         while padded < len(ones_at) and ones_at[padded] < end:
             a[ones_at[padded]] = 1.0
             padded += 1

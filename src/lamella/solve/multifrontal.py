@@ -40,7 +40,7 @@ class Multifrontal(SymmetricFactor):
         self._signs = np.ones(len(layout.coordinate))
         self._z, self._rest = np.zeros(len(layout.coordinate)), np.zeros(len(layout.rows))
         self._b = Workspace(front_kernels.BLOCK * layout.longest + WIDTH)
-        self._y, self._order = Workspace(layout.longest), np.arange(len(layout.fronts) - 1)
+        self._y, self._order = Workspace(layout.longest + WIDTH), np.arange(len(layout.fronts) - 1)
         self._orders = [self._order[slice(*subtree)] for subtree in plan.subtrees]
 
     def factorise(self, k: Floats) -> int:
