@@ -153,7 +153,7 @@ class WorkMeter(Memory):
     def __call__(self, state: State) -> float:
         f, x = self.force_and_path(state)
         if self._last is not None:
-            self.work += 0.5 * float((f + self._last[0]) @ (x - self._last[1]))
+            self.work += 0.5 * float((f + self._last[0]).dot(x - self._last[1]))
         self._last = f, x
         return self.work
 
@@ -236,12 +236,13 @@ def energy_signals(equations: Equations) -> list[Signal]:
     forces_of = elimination.forces_of(elimination.moving)
 
     def kinetic(state: State) -> float:
-        return 0.5 * float(state.v @ equations.momentum(state.v)) if state.v.any() else 0.0  # statics then needs no mass
+        v = state.v
+        return 0.5 * float(v.dot(equations.momentum(v))) if v.dot(v) else 0.0  # statics then needs no mass
 
-    potentials = OncePerState(lambda s: np.array([block.energy(s.t, s.q) for block in model.forces]))
+    potentials = OncePerState(lambda s: [block.energy(s.t, s.q) for block in model.forces])
 
     def strain(state: State) -> float:
-        return float(potentials(state).sum())
+        return float(sum(potentials(state)))
 
     def power(state: State) -> float:
         return sum(block.dissipation(state.t, state.q, state.v) for block in damped)
@@ -259,7 +260,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
     )
     varying = [k for k, block in enumerate(model.forces) if block.varies]
     driven = [model.forces[k] for k in varying]
-    actuators = ActuatorMeter(driven, n, lambda s: float(potentials(s)[varying].sum()))
+    actuators = ActuatorMeter(driven, n, lambda s: sum(potentials(s)[k] for k in varying))
 
     def supports(state: State) -> float:
         return (along_motions(state) if moves else 0.0) + actuators(state)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from lamella.roles import Floats
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -32,18 +35,18 @@ class State:
     factor: float = 1.0
 
 
-class OncePerState:
+class OncePerState(Generic[T]):
     """A function of the state that several signals share: evaluated once while they are recorded for one state.
 
     Args:
         evaluate: the function.
     """
 
-    def __init__(self, evaluate: Callable[[State], Floats]) -> None:
+    def __init__(self, evaluate: Callable[[State], T]) -> None:
         self.evaluate = evaluate
-        self._last: tuple[State, Floats] | None = None
+        self._last: tuple[State, T] | None = None
 
-    def __call__(self, state: State) -> Floats:
+    def __call__(self, state: State) -> T:
         if self._last is None or self._last[0] is not state:
             self._last = state, self.evaluate(state)
         return self._last[1]

@@ -46,6 +46,8 @@ class FirstOrderRule(Memory):
 
     def algorithmic(self, rate: Floats, new_rate: Floats) -> Floats:
         """The new algorithmic rate s'."""
+        if not len(rate):  # most systems have no fields, and the sums below take a hundredth of a small one's step
+            return self.s
         return (self.alpha_f * new_rate + (1.0 - self.alpha_f) * rate - (1.0 - self.alpha_m) * self.s) / self.alpha_m
 
     def error(self, dt: float, s: Floats) -> Floats:
