@@ -13,7 +13,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
-from lamella.assembly.operator import SumOperator
+from lamella.assembly.operator import SumOperator, balance
 from lamella.assembly.point import Point, Weights
 from lamella.assembly.product import SkewProduct, matrix_free
 from lamella.assembly.recent import Recent
@@ -332,16 +332,14 @@ class Equations:
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""
-        r = point.factor * self.loads.reduced()
-        self.forces.onto(r)
-        unreduced = None
-        if not point.at_rest:
-            if self.mass.in_independent:
-                self.mass.in_independent.onto(point.udd, r)
-            else:
-                unreduced = self.mass.in_all(self.expand(point.udd))
-            if self.elimination.moves:
-                r += self._carried_at(point.t)
+        whole, unreduced = None if point.at_rest else self.mass.in_independent, None
+        if whole:
+            r = balance(point.factor, self.loads.reduced(), self.forces.reduction, self.forces.buffer, whole, point.udd)
+        else:
+            r = self.forces.onto(point.factor * self.loads.reduced())
+            unreduced = None if point.at_rest else self.mass.in_all(self.expand(point.udd))
+        if self.elimination.moves and not point.at_rest:
+            r += self._carried_at(point.t)
         if self.n_lam:
             unreduced = np.zeros(self.model.n_q) if unreduced is None else unreduced
             self.constraints.add_force(point.t, q, point.lam, unreduced)

@@ -111,6 +111,6 @@ class ForceSum:
             self._in_independent = self._reduce(self.buffer)
         return self._in_independent
 
-    def onto(self, r: Floats) -> None:
-        """Add T^T times the sum of what the buffer holds now to ``r`` (n_u,); it is not kept."""
-        self._reduce.onto(self.buffer, r)
+    def onto(self, r: Floats) -> Floats:
+        """Add T^T times the sum of what the buffer holds now to ``r`` (n_u,) and return it; the sum is not kept."""
+        return self._reduce.onto(self.buffer, r)

@@ -37,6 +37,7 @@ class SumOperator:
         order_terms(
             targets, sources, factors, lengths, begins, self.group_ends, self.targets, self.sources, self.factors
         )  # fmt: skip
+        self.arrays = self.group_ends, self.targets, self.sources, self.factors
 
     @classmethod
     def of(cls, matrix: sparse.sparray) -> SumOperator:
@@ -58,7 +59,7 @@ class SumOperator:
 
     def onto(self, x: Floats, out: Floats) -> Floats:
         """Add the sums to ``out`` (n_targets,) and return it."""
-        _add_sums(self.group_ends, self.targets, self.sources, self.factors, x, out)
+        _add_sums(*self.arrays, x, out)
         return out
 
 
@@ -177,10 +178,10 @@ class VectorOperator:
         ends = np.append(scalar.indptr, np.full(-n % TOGETHER, scalar.nnz))
         rows = sparse.csr_array((scalar.data, scalar.indices, ends), shape=(len(ends) - 1, n)).tobsr((TOGETHER, 1))
         self.n = 3 * n
-        self._starts: Indices = rows.indptr.astype(np.int32)
-        self._sources: Places = (3 * rows.indices).astype(np.uint32)
-        self._factors = rows.data.astype(float).reshape(-1)
-        self._x, self._y = np.zeros(self.n + WIDTH), np.zeros(3 * (len(ends) - 1) + WIDTH)
+        starts: Indices = rows.indptr.astype(np.int32)
+        sources: Places = (3 * rows.indices).astype(np.uint32)
+        longer, y = np.zeros(self.n + WIDTH), np.zeros(3 * (len(ends) - 1) + WIDTH)
+        self.arrays = starts, sources, rows.data.astype(float).reshape(-1), longer, y
 
     @classmethod
     def within(cls, matrix: sparse.csr_array) -> VectorOperator | None:
@@ -204,14 +205,21 @@ class VectorOperator:
 
     def onto(self, x: Floats, out: Floats) -> Floats:
         """Add the sums to ``out`` and return it; what lies behind the 3 n numbers of vectors is left alone in both."""
-        _add_vectors(self._starts, self._sources, self._factors, x, self._x, self._y, out, self.n)
+        _add_vectors(*self.arrays, 1.0, x, out, self.n)
         return out
 
 
+def balance(factor: float, r: Floats, sums: SumOperator, buffer: Floats, mass: VectorOperator, x: Floats) -> Floats:
+    """factor r + E buffer + M x in a new array, in one call: made one after the other the calls take as long as the sums."""
+    out = np.empty_like(r)
+    _balance(factor, r, *sums.arrays, buffer, *mass.arrays, 1.0, x, out, mass.n)
+    return out
+
+
 def negative_sum(r: Floats, sums: SumOperator, buffer: Floats, factor: float, mass: VectorOperator, x: Floats) -> Floats:
-    """-(r + E buffer + factor M x) in a new array, in one call: made one after the other the calls take as long as the sums."""
-    out, of_sums = np.empty_like(r), (sums.group_ends, sums.targets, sums.sources, sums.factors)
-    _negative_sum(r, *of_sums, buffer, factor, mass._starts, mass._sources, mass._factors, x, mass._x, mass._y, out, mass.n)
+    """-(r + E buffer + factor M x) in a new array, in one call as well."""
+    out = np.empty_like(r)
+    _negative_balance(1.0, r, *sums.arrays, buffer, *mass.arrays, factor, x, out, mass.n)
     return out
 
 
@@ -221,9 +229,12 @@ TOGETHER = 4
 
 @kernel
 def _add_vectors(
-    starts: Indices, sources: Places, factors: Floats, x: Floats, longer: Floats, y: Floats, out: Floats, n: int
+    starts: Indices, sources: Places, factors: Floats, longer: Floats, y: Floats, factor: float, x: Floats, out: Floats, n: int
 ) -> None:
-    """Even and odd entries of a row are summed apart, as additions would wait for each other."""
+    """out += factor M x, with work space for x and for the sums.
+
+    Even and odd entries of a row are summed apart, as additions would wait for each other.
+    """
     for i in range(n):
         longer[i] = x[i]
     for group in range(len(starts) - 1):
@@ -247,19 +258,25 @@ def _add_vectors(
         store_at(y, to + 6, e2 + o2)
         store_at(y, to + 9, e3 + o3)
     for i in range(n):
-        out[i] += y[i]
+        out[i] += factor * y[i]
 
 
 @kernel
-def _negative_sum(
-    r: Floats, group_ends: Indices, targets: Places, sources: Places, factors: Floats, buffer: Floats,
-    factor: float, starts: Indices, of_mass: Places, masses: Floats, x: Floats, longer: Floats, y: Floats, out: Floats, n: int,
+def _balance(
+    factor: float, r: Floats, group_ends: Indices, targets: Places, sources: Places, factors: Floats, buffer: Floats,
+    starts: Indices, vectors: Places, masses: Floats, longer: Floats, y: Floats, of_mass: float, x: Floats, out: Floats, n: int,
 ) -> None:  # fmt: skip
     for i in range(len(out)):
-        out[i] = 0.0
-    _add_vectors(starts, of_mass, masses, x, longer, y, out, n)
-    for i in range(len(out)):
-        out[i] = r[i] + factor * out[i]
+        out[i] = factor * r[i]
     _add_sums(group_ends, targets, sources, factors, buffer, out)
+    _add_vectors(starts, vectors, masses, longer, y, of_mass, x, out, n)
+
+
+@kernel
+def _negative_balance(
+    factor: float, r: Floats, group_ends: Indices, targets: Places, sources: Places, factors: Floats, buffer: Floats,
+    starts: Indices, vectors: Places, masses: Floats, longer: Floats, y: Floats, of_mass: float, x: Floats, out: Floats, n: int,
+) -> None:  # fmt: skip
+    _balance(factor, r, group_ends, targets, sources, factors, buffer, starts, vectors, masses, longer, y, of_mass, x, out, n)
     for i in range(len(out)):
         out[i] = -out[i]
