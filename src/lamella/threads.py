@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 from lamella.errors import ModelError
@@ -90,31 +90,43 @@ if hasattr(os, "register_at_fork"):
 def run(calls: Sequence[Callable[[], T]], *, worthwhile: bool = True) -> list[T]:
     """Make all calls, the longest of which should come first, and return what they return.
 
-    The calling thread makes the first one, and then the last of those that no other has begun: it never waits for a thread that
-    is not running. Without ``worthwhile`` it makes them all.
+    Each thread, the calling one too, takes the next call that no other has begun, so that none waits while there is work. The
+    calling thread waits for no other that has not begun. Without ``worthwhile`` it makes them all.
     """
     global _pool
     if not worthwhile or number() == 1 or len(calls) < 2:
         return [call() for call in calls]
     if _pool is None:
         _pool = ThreadPoolExecutor(number() - 1, "lamella")
-    futures = [_pool.submit(call) for call in calls[1:]]
+    found: dict[int, T] = {}
+    left = iter(range(len(calls)))
+
+    def work() -> None:
+        for i in left:
+            found[i] = calls[i]()
+
+    helpers = [_pool.submit(work) for _ in range(min(number(), len(calls)) - 1)]
     try:
-        own = {0: calls[0]()}
-        for i in range(len(futures), 0, -1):
-            if futures[i - 1].cancel():
-                own[i] = calls[i]()
+        work()
     finally:  # also after an error: what they write to may be used for something else
-        wait([future for future in futures if not future.cancel()])
-    return [own[i] if i in own else futures[i - 1].result() for i in range(len(calls))]
+        for _ in left:
+            pass
+        errors = [helper.exception() for helper in helpers if not helper.cancel()]
+    for error in errors:
+        if error is not None:
+            raise error
+    return [found[i] for i in range(len(calls))]
 
 
 def cut(n: int, seconds: float) -> list[tuple[int, int]]:
-    """Ranges (first, end) of n things that take so many seconds each, one range where threads would not pay."""
+    """Ranges (first, end) of n things that take so many seconds each, one range where threads would not pay.
+
+    Their number is a multiple of that of the threads: of five like pieces one of two threads would have three.
+    """
     total, count = n * seconds, number()
     if count == 1 or total < WORTHWHILE:
         return [(0, n)]
-    pieces = max(1, min(n, PIECES * count, int(total / SHORTEST)))
+    pieces = min(n, count * max(1, min(PIECES, int(total / (count * SHORTEST)))))
     return [(n * i // pieces, n * (i + 1) // pieces) for i in range(pieces)]
 
 

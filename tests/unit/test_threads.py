@@ -186,8 +186,9 @@ def test_calls_are_shared_and_their_results_in_order() -> None:
         return i * i
 
     assert threads.run([partial(call, i) for i in range(6)]) == [0, 1, 4, 9, 16, 25]
-    assert names[0] == threading.current_thread().name
-    assert names[1].startswith("lamella")
+    own = threading.current_thread().name
+    assert own in (names[0], names[1])
+    assert any(names[i].startswith("lamella") for i in (0, 1))
 
 
 def test_a_thread_that_is_late_is_not_waited_for() -> None:
