@@ -126,6 +126,23 @@ def _factorise_corner(a: Floats, corner: int, a_len: int, limits: Floats, signs:
 
 
 @inner
+def invert_corner(a: Floats, corner: int, a_len: int) -> None:
+    """Put L^-1 of the 4 by 4 block L at a[corner] in its place, transposed: above the diagonal, and on it.
+
+    With it substitution waits for no division, and each of the four unknowns for the right-hand side alone.
+    """
+    c1, c2, c3 = corner + a_len, corner + 2 * a_len, corner + 3 * a_len
+    i0, i1, i2, i3 = 1.0 / a[corner], 1.0 / a[c1 + 1], 1.0 / a[c2 + 2], 1.0 / a[c3 + 3]
+    l20, l30 = a[corner + 2], a[corner + 3]
+    l21, l31, l32 = a[c1 + 2], a[c1 + 3], a[c2 + 3]
+    i10, i21, i32 = -i1 * a[corner + 1] * i0, -i2 * l21 * i1, -i3 * l32 * i2
+    i20, i31 = -i2 * (l20 * i0 + l21 * i10), -i3 * (l31 * i1 + l32 * i21)
+    a[corner], a[c1 + 1], a[c2 + 2], a[c3 + 3] = i0, i1, i2, i3
+    a[c1], a[c2], a[c2 + 1] = i10, i20, i21
+    a[c3], a[c3 + 1], a[c3 + 2] = -i3 * (l30 * i0 + l31 * i10 + l32 * i20), i31, i32
+
+
+@inner
 def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, signs: Floats, s0: int) -> int:
     """Factorise columns j ... j + 3 of the panel at a[a0], from which all columns before are already subtracted."""
     corner = a0 + j * a_len + j
@@ -153,6 +170,7 @@ def _factorise_columns(a: Floats, a0: int, a_len: int, j: int, limits: Floats, s
         y3 = (load_at(a, c3 + row) - l30 * y0 - l31 * y1 - l32 * y2) * d3
         store_at(a, c0 + row, y0), store_at(a, c1 + row, y1), store_at(a, c2 + row, y2), store_at(a, c3 + row, y3)
         row += WIDTH
+    invert_corner(a, corner, a_len)
     return -1
 
 

@@ -1,5 +1,7 @@
 """Compiled forward and back substitution with the fronts of a multifrontal factorisation."""
 
+# Stores side by side, as their numbers are.
+# pyright: reportUnusedExpression=false
 from __future__ import annotations
 
 from lamella._jit import inlined, inner, kernel, shared
@@ -26,21 +28,16 @@ def _forward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     for k in range(0, p, 4):
         c0 = a0 + k * a_len
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
-        # Divisions wait for nothing, so that they do not hold up what does.
-        d0, d1, d2, d3 = 1.0 / a[c0 + k], 1.0 / a[c1 + k + 1], 1.0 / a[c2 + k + 2], 1.0 / a[c3 + k + 3]
-        x0 = y[k] * d0
-        x1 = (y[k + 1] - a[c0 + k + 1] * x0) * d1
-        x2 = (y[k + 2] - a[c0 + k + 2] * x0 - a[c1 + k + 2] * x1) * d2
-        x3 = (y[k + 3] - a[c0 + k + 3] * x0 - a[c1 + k + 3] * x1 - a[c2 + k + 3] * x2) * d3
-        y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
-        row = k + 4
-        while row % WIDTH:
-            y[row] -= a[c0 + row] * x0 + a[c1 + row] * x1 + a[c2 + row] * x2 + a[c3 + row] * x3
-            row += 1
-        while row < a_len:
+        y0, y1, y2, y3 = number_at(y, k), number_at(y, k + 1), number_at(y, k + 2), number_at(y, k + 3)
+        x0 = number_at(a, c0 + k) * y0
+        x1 = number_at(a, c1 + k) * y0 + number_at(a, c1 + k + 1) * y1
+        x2 = number_at(a, c2 + k) * y0 + number_at(a, c2 + k + 1) * y1 + number_at(a, c2 + k + 2) * y2
+        x3 = number_at(a, c3 + k) * y0 + number_at(a, c3 + k + 1) * y1
+        x3 += number_at(a, c3 + k + 2) * y2 + number_at(a, c3 + k + 3) * y3
+        for row in range(k + 4 - (k + 4) % WIDTH, a_len, WIDTH):  # a lane that begins with pivots is put right below
             one = load_at(y, row) - x0 * load_at(a, c0 + row) - x1 * load_at(a, c1 + row)
             store_at(y, row, one - x2 * load_at(a, c2 + row) - x3 * load_at(a, c3 + row))
-            row += WIDTH
+        put_at(y, k, x0), put_at(y, k + 1, x1), put_at(y, k + 2, x2), put_at(y, k + 3, x3)
 
 
 @inner
@@ -49,7 +46,6 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
     for k in range(p - 4, -1, -4):
         c0 = a0 + k * a_len
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
-        d0, d1, d2, d3 = 1.0 / a[c0 + k], 1.0 / a[c1 + k + 1], 1.0 / a[c2 + k + 2], 1.0 / a[c3 + k + 3]
         x0, x1, x2, x3 = number_at(y, k), number_at(y, k + 1), number_at(y, k + 2), number_at(y, k + 3)
         row = k + 4
         while row % WIDTH:
@@ -76,11 +72,12 @@ def _backward(a: Floats, a0: int, a_len: int, p: int, y: Floats) -> None:
                 s0, s1 = s0 + load_at(a, c0 + row) * known, s1 + load_at(a, c1 + row) * known
                 s2, s3 = s2 + load_at(a, c2 + row) * known, s3 + load_at(a, c3 + row) * known
             x0, x1, x2, x3 = x0 - total(s0 + t0), x1 - total(s1 + t1), x2 - total(s2 + t2), x3 - total(s3 + t3)
-        x3 = x3 * d3
-        x2 = (x2 - number_at(a, c2 + k + 3) * x3) * d2
-        x1 = (x1 - number_at(a, c1 + k + 3) * x3 - number_at(a, c1 + k + 2) * x2) * d1
-        x0 = (x0 - number_at(a, c0 + k + 3) * x3 - number_at(a, c0 + k + 2) * x2 - number_at(a, c0 + k + 1) * x1) * d0
-        y[k], y[k + 1], y[k + 2], y[k + 3] = x0, x1, x2, x3
+        y0 = number_at(a, c0 + k) * x0 + number_at(a, c1 + k) * x1
+        y1 = number_at(a, c1 + k + 1) * x1 + number_at(a, c2 + k + 1) * x2 + number_at(a, c3 + k + 1) * x3
+        y2 = number_at(a, c2 + k + 2) * x2 + number_at(a, c3 + k + 2) * x3
+        y0 += number_at(a, c2 + k) * x2 + number_at(a, c3 + k) * x3
+        y3 = number_at(a, c3 + k + 3) * x3
+        put_at(y, k, y0), put_at(y, k + 1, y1), put_at(y, k + 2, y2), put_at(y, k + 3, y3)
 
 
 @inlined

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lamella._jit import inlined, inner, kernel
 from lamella.lane import WIDTH, load_at, number_at, put_at, store_at
 from lamella.roles import Floats, Indices, Ints
-from lamella.solve.front_kernels import BLOCK, clear, extend_add, pack, subtract
+from lamella.solve.front_kernels import BLOCK, clear, extend_add, invert_corner, pack, subtract
 
 
 class Entries(NamedTuple):
@@ -105,6 +105,8 @@ def _factorise_columns(a: Floats, c: Floats, a0: int, a_len: int, j: int, limits
         y3 = load_at(c, c3 + row) - l30 * y0 - l31 * y1 - l32 * y2
         store_at(c, c1 + row, y1), store_at(c, c2 + row, y2), store_at(c, c3 + row, y3)
         row += WIDTH
+    invert_corner(a, a0 + j * (a_len + 1), a_len)
+    invert_corner(c, a0 + j * (a_len + 1), a_len)
     return -1
 
 
