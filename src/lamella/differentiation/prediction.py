@@ -7,15 +7,15 @@ from math import sqrt
 import numpy as np
 
 from lamella._jit import kernel, njit
-from lamella.lane import WIDTH
-from lamella.lane_rows import add_row, dot
+from lamella.lane import WIDTH, number_at, put_at
+from lamella.lane_rows import add_row, dot, set_row
 from lamella.roles import Floats
 
 MEMORY = 8
 """Values from which the next one is predicted, beside the last."""
 DEPENDENT = 1e-9
 """Share of a value which others leave of it, below which it is not used: it is rounding."""
-FAR = 0.1
+FAR = 0.03
 """Error of the estimate, as a share of the solution, beyond which nothing is predicted: motion without damping."""
 SERVES = 1e-3
 """Error of a guess, as a share of the solution, up to which it is worth a product: from zero the first one leaves as much."""
@@ -78,35 +78,31 @@ def _learn(
     """The errors of the last prediction and of the estimate, and the next prediction."""
     n = len(following)
     latest = (known - 1) % (MEMORY + 1)
-    at, off, size, left = latest * n, 0.0, 0.0, 0.0
+    at = latest * n
     for i in range(len(x)):
-        e, x_i = (x[i] - estimate[i]) / magnitude[i], x[i] / magnitude[i]
-        size += x_i * x_i
-        off += e * e
-        left += (e - following[i]) ** 2
-        values[at + i] = e
-    of_estimate = sqrt(off / size)
-    of_prediction = sqrt(left / size) if known > 2 else of_estimate
+        per, x_i = 1.0 / number_at(magnitude, i), number_at(x, i)
+        put_at(values, at + i, per * (x_i - number_at(estimate, i)))
+        put_at(q, i, per * x_i)
+    size = dot(q, 0, q, 0, n)
+    of_estimate = sqrt(dot(values, at, values, at, n) / size)
+    add_row(following, 0, -1.0, values, at, n)
+    of_prediction = sqrt(dot(following, 0, following, 0, n) / size) if known > 2 else of_estimate
     if of_estimate > FAR:
-        for i in range(n):
-            following[i] = 0.0
+        set_row(following, 0, 0.0, values, at, n)
         return of_prediction, of_estimate
     used = 0
     for k in range(min(known - 1, MEMORY)):  # those before the latest, made orthonormal one after the other: q R
         row = (latest - 1 - k) % (MEMORY + 1) * n
-        for i in range(n):
-            q[k * n + i] = values[row + i]
+        set_row(q, k * n, 1.0, values, row, n)
         for j in range(k):
             R[j, k] = dot(q, j * n, q, k * n, n)
             add_row(q, k * n, -R[j, k], q, j * n, n)
         R[k, k] = sqrt(dot(q, k * n, q, k * n, n))
         if not R[k, k] > DEPENDENT * sqrt(dot(values, row, values, row, n)):
             break
-        for i in range(k * n, k * n + n):
-            q[i] /= R[k, k]
+        set_row(q, k * n, 1.0 / R[k, k], q, k * n, n)
         used = k + 1
-    for i in range(n):
-        following[i] = values[at + i]
+    set_row(following, 0, 1.0, values, at, n)
     for k in range(used):
         a[k] = dot(q, k * n, following, 0, n)
         add_row(following, 0, -a[k], q, k * n, n)
@@ -114,8 +110,7 @@ def _learn(
         for j in range(k + 1, used):
             a[k] -= R[k, j] * a[j]
         a[k] /= R[k, k]
-    for i in range(n):
-        following[i] = 0.0
+    set_row(following, 0, 0.0, values, at, n)
     for k in range(used):
         add_row(following, 0, a[k], values, (latest - k) % (MEMORY + 1) * n, n)
     return of_prediction, of_estimate

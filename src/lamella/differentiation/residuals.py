@@ -7,8 +7,8 @@ from math import sqrt
 import numpy as np
 
 from lamella._jit import inner, kernel
-from lamella.lane import WIDTH
-from lamella.lane_rows import add_row, weighed_dot
+from lamella.lane import WIDTH, number_at, put_at
+from lamella.lane_rows import add_row, set_row, weighed_dot
 from lamella.roles import Floats
 
 
@@ -76,18 +76,16 @@ def _improve(
     """Direction number k is made conjugate to those before, its image of length 1."""
     n = len(left)
     at = k * n
-    for i in range(n):
-        directions[at + i] = left[i]
+    set_row(directions, at, 1.0, left, 0, n)
     for i in range(len(lacking)):
-        images[at + i] = -lacking[i]
+        put_at(images, at + i, -number_at(lacking, i))
     for before in range(0, at, n):
         share = weighed_dot(images, before, images, at, weights)
         add_row(directions, at, -share, directions, before, n)
         add_row(images, at, -share, images, before, n)
     factor = 1.0 / sqrt(weighed_dot(images, at, images, at, weights))
-    for i in range(at, at + n):
-        directions[i] *= factor
-        images[i] *= factor
+    set_row(directions, at, factor, directions, at, n)
+    set_row(images, at, factor, images, at, n)
     _take(z, left, k, directions, images, weights)
     return _share(z, left, weights)
 
