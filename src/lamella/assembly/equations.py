@@ -286,10 +286,10 @@ class Equations:
         """M v in all coordinates, shape (n_q,)."""
         return self.mass.in_all(v)
 
-    def inertia_force(self, udd: Floats) -> Floats:
-        """T^T M T udd, shape (n_u,)."""
-        whole = self.mass.in_independent
-        return whole(udd) if whole else self.gather(self.mass.in_all(self.expand(udd)))
+    def inertia_force(self, udd: Floats, onto: Floats | None = None) -> Floats:
+        """T^T M T udd, added to ``onto`` if that is given, shape (n_u,)."""
+        whole, r = self.mass.in_independent, np.zeros(self.n_u) if onto is None else onto
+        return whole.onto(udd, r) if whole else self.gather.onto(self.mass.in_all(self.expand(udd)), r)
 
     def load_direction(self, point: Point) -> Floats:
         """Derivative of r by the load factor, shape (n_u,): -f_ext, and the stiffness times the supports' motion if they move."""

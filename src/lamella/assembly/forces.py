@@ -14,7 +14,7 @@ from lamella.roles import Floats, ForceBlock
 
 
 class ForceSum:
-    """f(t, q, v) of some blocks: each writes a part of one buffer, which is summed at once.
+    """f(t, q, v) of some blocks: each writes a part of one buffer, which is summed at once, with weights if there are any.
 
     Blocks that depend on time alone are evaluated once for each time, and when all do, so are their sums.
 
@@ -24,10 +24,16 @@ class ForceSum:
         T: map from independent to all coordinates, (n_q, n_u); the identity when left out.
         like: the sum of other blocks with the same ``T``; where these have their buffers' entries at the same places, its
             operators serve here as well.
+        weights: of each block in the sum, one of all when left out.
     """
 
     def __init__(
-        self, blocks: Sequence[ForceBlock], n_q: int, T: sparse.csr_array | None = None, like: ForceSum | None = None
+        self,
+        blocks: Sequence[ForceBlock],
+        n_q: int,
+        T: sparse.csr_array | None = None,
+        like: ForceSum | None = None,
+        weights: Sequence[float] | None = None,
     ) -> None:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)
         self.buffer = np.zeros(int(ends[-1]) if blocks else 0)
@@ -37,7 +43,8 @@ class ForceSum:
         self._in_all: Floats | None = None
         self._in_independent: Floats | None = None
         coords = np.concatenate([np.zeros(0, np.int64), *(block.f_coords for block in blocks)])
-        factors = np.concatenate([np.zeros(0), *(block.f_scale for block in blocks)])
+        shares = [1.0] * len(blocks) if weights is None else weights
+        factors = np.concatenate([np.zeros(0), *(w * block.f_scale for w, block in zip(shares, blocks, strict=True))])
         self._form = coords, factors
         if like is not None and all(map(np.array_equal, self._form, like._form)):
             self._sum, self._reduce = like._sum, like._reduce

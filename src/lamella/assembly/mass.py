@@ -44,4 +44,9 @@ class Mass:
         """T^T M T; None where it does not go by vectors, since three products are faster then."""
         if self._same:
             return self._same.in_independent
-        return VectorOperator.within(sparse.csr_array(self._T.T @ self._model.mass @ self._T))
+        return in_independent(self._model.mass, self._T)
+
+
+def in_independent(M: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:
+    """T^T M T; None where it does not go by vectors."""
+    return VectorOperator.within(sparse.csr_array(T.T @ M @ T))

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import compress
+from itertools import chain, compress, islice
 
 import numpy as np
+from scipy import sparse
 
 from lamella._jit import kernel, njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.forces import ForceSum
+from lamella.assembly.mass import in_independent
+from lamella.assembly.operator import VectorOperator
 from lamella.assembly.point import Point
 from lamella.differentiation.alike import alike
+from lamella.inertia import whole_mass
 from lamella.roles import ConstraintBlock, Floats, ForceBlock
 
 
@@ -58,7 +62,7 @@ class WholeDifference:
 
 class PartDifference:
     """The same from those blocks alone that the parameter changes or that depend on velocities: what is equal in all models
-    cancels, and equal masses leave M dudd.
+    cancels, and of inertia M dudd + dM/dp udd is left.
 
     Args:
         base: the equations at the value of the parameter.
@@ -66,71 +70,98 @@ class PartDifference:
     """
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
-        self._base, self._sides = base, sides
-        equations = [side.equations for side in sides]
-        self._same_mass = all(alike(there.model.inertias, base.model.inertias) or there.mass.as_like for there in equations)
-        self._forces = _Parts(base.forces, sides, [there.forces for there in equations])
-        self._loads = _Parts(base.loads, sides, [there.loads for there in equations])
+        self._base, equations = base, [side.equations for side in sides]
+        same_mass = all(alike(there.model.inertias, base.model.inertias) or there.mass.as_like for there in equations)
+        self._mass = None if same_mass else _MassDifference(base, sides)
+        self._forces = _Parts(base, base.forces, sides, [there.forces for there in equations])
+        self._loads = _Parts(base, base.loads, sides, [there.loads for there in equations])
 
     def __call__(self, point: Point, dud: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
         """The derivatives, as :class:`WholeDifference` gives them."""
-        base, r = self._base, np.zeros_like(point.u)
+        base, r = self._base, np.zeros(len(point.u))
         q, v, dv = base.coordinates(point), base.force_velocities(point), None
         if dud is not None and base.depends_on_velocity:
             dv = base.expand(dud)
-        self._forces.add(1.0, point.t, q, v, dv, r)
-        self._loads.add(point.factor, point.t, q, v, dv, r)
-        if dudd is not None and self._same_mass:
-            _add(1.0, base.inertia_force(dudd), r)
-        elif not point.at_rest and not self._same_mass:
-            for side in self._sides:
-                udd = point.udd if dudd is None else _moved(point.udd, side.distance, dudd)
-                _add(side.weight, side.equations.inertia_force(udd), r)
-        return r, np.zeros_like(point.lam)
+        self._loads.add(point.t, q, v, dv, r)
+        if point.factor != 1.0:
+            r *= point.factor
+        self._forces.add(point.t, q, v, dv, r)
+        if dudd is not None:
+            base.inertia_force(dudd, onto=r)
+        if self._mass is not None and not point.at_rest:
+            self._mass.add_force(point.udd, r)
+        return r, np.zeros(len(point.lam))
+
+
+class _MassDifference:
+    """dM/dp from the masses of the models beside a parameter."""
+
+    def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
+        first, *others = (side.weight * side.equations.model.vector_mass for side in sides)
+        m = sparse.csr_array(sum(others, start=first))
+        self._expand, self._gather, self._in_all = base.expand, base.gather, VectorOperator(m)
+        self._in_independent = in_independent(whole_mass(m, base.model.n_q), base.elimination.T)
+
+    def add_force(self, udd: Floats, r: Floats) -> None:
+        """Add T^T dM/dp T udd to r."""
+        if self._in_independent:
+            self._in_independent.onto(udd, r)
+        else:
+            self._gather.onto(self._in_all(self._expand(udd)), r)
 
 
 class _Parts:
     """The blocks of a sum that differ between models, or depend on velocities.
 
     Args:
-        base: the sum at the value of the parameter.
+        base: the equations at the value of the parameter.
+        of_base: the sum there.
         sides, sums: the models beside it, with their sums.
     """
 
-    def __init__(self, base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum]) -> None:
+    def __init__(self, base: Equations, of_base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum]) -> None:
         blocks = [*zip(*([block for block, _ in each.parts] for each in sums), strict=True)]
         changed = [remembers(first) or not all(alike(first, other) for other in others) for first, *others in blocks]
         linear = [not one and block.linear_in_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         others = [one or block.depends_on_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         moving = [one and not other for one, other in zip(others, linear, strict=True)]
-        self._base, self._linear = base, [*compress(base.parts, linear)]
-        self._seeing = any(block.depends_on_velocity for block, _ in base.parts)
-        self._changed, self._moving = _chosen(sides, sums, changed), _chosen(sides, sums, moving)
+        of_all = base.model.n_q, base.elimination.T
+        self._linear = ForceSum([block for block, _ in compress(of_base.parts, linear)], *of_all)
+        self._seeing = any(block.depends_on_velocity for block, _ in of_base.parts)
+        self._changed, self._moving = (_Weighed(sides, sums, chosen, *of_all) for chosen in (changed, moving))
 
-    def add(self, factor: float, t: float, q: Floats, v: Floats, dv: Floats | None, r: Floats) -> None:
-        """Add their weighed forces to r, with velocities that follow the parameter if ``dv`` is given."""
-        if dv is not None and self._linear:
-            self._base.buffer[:] = 0.0  # of the other blocks
-            for block, part in self._linear:
-                block.damping_force(t, q, dv, part)
-            self._base.written()
-            _add(factor, self._base.reduced(), r)
-        for side, whole, parts in self._changed if dv is None else self._moving:
-            if not parts:
-                return
-            there = v if dv is None or not self._seeing else _moved(v, side.distance, dv)
-            whole.buffer[:] = 0.0
+    def add(self, t: float, q: Floats, v: Floats, dv: Floats | None, r: Floats) -> None:
+        """Add the derivative of their forces to r, with velocities that follow the parameter if ``dv`` is given."""
+        if dv is None:
+            self._changed.add(t, q, v, None, r)
+            return
+        for block, part in self._linear.parts:
+            block.damping_force(t, q, dv, part)
+        self._linear.onto(r)
+        self._moving.add(t, q, v, dv if self._seeing else None, r)
+
+
+class _Weighed:
+    """Chosen blocks of all sides, whose forces are summed at once with the weights of the sides."""
+
+    def __init__(
+        self, sides: Sequence[Side], sums: Sequence[ForceSum], chosen: Sequence[bool], n_q: int, T: sparse.csr_array
+    ) -> None:
+        blocks = [[block for block, _ in compress(each.parts, chosen)] for each in sums]
+        weights = [side.weight for side, own in zip(sides, blocks, strict=True) for _ in own]
+        self._sum = ForceSum([*chain.from_iterable(blocks)], n_q, T, weights=weights)
+        parts = iter(self._sum.parts)
+        self._of_sides = [(side.distance, [*islice(parts, len(own))]) for side, own in zip(sides, blocks, strict=True)]
+
+    def add(self, t: float, q: Floats, v: Floats, dv: Floats | None, r: Floats) -> None:
+        """Add the weighed forces to r, with the velocities of each side along ``dv`` if it is given."""
+        if not self._sum.parts:
+            return
+        for distance, parts in self._of_sides:
+            there = v if dv is None else _moved(v, distance, dv)
             for block, part in parts:
                 block.force(t, q, there, part)
-            whole.written()
-            _add(side.weight * factor, whole.reduced(), r)
-
-
-def _chosen(
-    sides: Sequence[Side], sums: Sequence[ForceSum], chosen: Sequence[bool]
-) -> list[tuple[Side, ForceSum, list[tuple[ForceBlock, Floats]]]]:
-    """The blocks that are chosen, with their parts of the buffer, of each side."""
-    return [(side, each, [*compress(each.parts, chosen)]) for side, each in zip(sides, sums, strict=True)]
+        self._sum.onto(r)
 
 
 def difference_of(base: Equations, sides: Sequence[Side]) -> WholeDifference | PartDifference:
