@@ -168,8 +168,20 @@ class MatrixFreeBlock(ForceBlock):
     """
 
     @abstractmethod
-    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
-        """Write (alpha_q df/dq + alpha_v df/dv) x to the force buffer ``f`` (n_f,), x in all coordinates (n_q,)."""
+    def tangent(self) -> TangentOperator:
+        """A new operator with the tangent."""
+
+
+class TangentOperator(ABC):
+    """The tangent of a block as an operator on changes of the coordinates, at a point of its own."""
+
+    @abstractmethod
+    def look(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float) -> None:
+        """Go to a point, and evaluate what all products with alpha_q df/dq + alpha_v df/dv there need."""
+
+    @abstractmethod
+    def multiply(self, x: Floats, f: Floats) -> None:
+        """Write the product with x, in all coordinates (n_q,), to the force buffer ``f`` (n_f,) of the block."""
 
 
 class InertiaBlock(ABC):

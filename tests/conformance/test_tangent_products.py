@@ -40,7 +40,9 @@ def made(kind, mesh, rng, option):
 
 def product(block, q, v, alpha_q, alpha_v, x):
     f = aligned(len(block.f_coords))
-    block.tangent_product(0.0, q, v, alpha_q, alpha_v, x, f)
+    tangent = block.tangent()
+    tangent.look(0.0, q, v, alpha_q, alpha_v)
+    tangent.multiply(x, f)
     y, used = np.zeros(len(q)), block.f_coords >= 0
     np.add.at(y, block.f_coords[used], (f * block.f_scale)[used])
     return y

@@ -58,10 +58,11 @@ class TangentProduct:
         T: sparse.csr_array | None = None,
     ) -> None:
         self._constraints = constraints
-        self._free = [block for block, _ in forces.parts if isinstance(block, MatrixFreeBlock)]
-        self._sum = ForceSum(self._free, model.n_q, T, None if T is None else forces)
+        free = [block for block, _ in forces.parts if isinstance(block, MatrixFreeBlock)]
+        self._sum = ForceSum(free, model.n_q, T, None if T is None else forces)
+        self._operators = [(block.tangent(), part) for block, (_, part) in zip(free, self._sum.parts, strict=True)]
         self._listed = [
-            [(block, _Entries(block)) for block, _ in summed.parts if block not in self._free and len(block.k_rows)]
+            [(block, _Entries(block)) for block, _ in summed.parts if block not in free and len(block.k_rows)]
             for summed in (forces, loads)
         ]
         self._curvatures = [(block, _Entries(block)) for block in model.constraints]
@@ -70,14 +71,15 @@ class TangentProduct:
         """Whether tangents are multiplied entry by entry as well."""
 
     def look(self, point: Point, q: Floats, v: Floats, weights: Weights) -> None:
-        """Evaluate the tangents that are listed.
+        """Evaluate the tangents that are listed, and what the products of the others need.
 
         Args:
             point: where.
             q, v: its coordinates and velocities.
             weights: how the unknown moves coordinates and velocities.
         """
-        self._at = point.t, q, v, weights.alpha_q, weights.alpha_v
+        for operator, _ in self._operators:
+            operator.look(point.t, q, v, weights.alpha_q, weights.alpha_v)
         for parts, factor in zip(self._listed, (1.0, point.factor), strict=True):
             for block, entries in parts:
                 alpha_v = weights.rate if block.first_order else weights.alpha_v
@@ -108,9 +110,8 @@ class TangentProduct:
 
     def _multiply(self, x: Floats) -> None:
         """Fill the buffer with the products of the blocks that multiply."""
-        for block, part in self._sum.parts:
-            assert isinstance(block, MatrixFreeBlock)
-            block.tangent_product(*self._at, x, part)
+        for operator, part in self._operators:
+            operator.multiply(x, part)
         self._sum.written()
 
     def _add_listed(self, x: Floats, y: Floats) -> Floats:

@@ -13,15 +13,15 @@ from lamella.element.plate48.damping_symmetric import symmetric_tangent, work_si
 from lamella.element.plate48.entries import all_entries, upper_entries
 from lamella.element.plate48.kernels import energy as elastic_energy
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
+from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
-from lamella.element.plate48.tangent_product import tangent_product
 from lamella.inertia import of_components
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
 from lamella.threads import Workspace
 
-FORCE, TANGENT, SYMMETRIC_TANGENT, PRODUCT = 60e-9, 0.8e-6, 0.4e-6, 80e-9
-"""Seconds that force, tangents, and a product with the tangent take for a Gauss point of an element."""
+FORCE, TANGENT, SYMMETRIC_TANGENT = 60e-9, 0.8e-6, 0.4e-6
+"""Seconds that force and tangents take for a Gauss point of an element."""
 
 
 class KelvinVoigtBlock(Plate48Block):
@@ -100,21 +100,9 @@ class KelvinVoigtBlock(Plate48Block):
 
         self.over_blocks(TANGENT * arguments[4] ** 2, call)
 
-    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
-        """The product with the exact tangent."""
-        how = x, alpha_q, alpha_v, self.time, self.elastic
-        self._tangent_product(self._arguments[0], q, v, how, f)
-        for arguments in self._arguments[1:]:
-            self._tangent_product(arguments, q, v, how, self._f)
-            f += self._f
-
-    def _tangent_product(
-        self, arguments: KernelArguments, q: Floats, v: Floats, how: tuple[Floats, float, float, float, bool], f: Floats
-    ) -> None:
-        def call(blocks: Range) -> None:
-            tangent_product(q, v, *how, *seen(arguments, blocks), self._work.array, blocks.of(f))
-
-        self.over_blocks(PRODUCT * arguments[4] ** 2, call)
+    def tangent(self) -> ShellTangent:
+        """The exact tangent."""
+        return ShellTangent(self, self._arguments, self._work, self.time, self.elastic)
 
     @property
     def symmetric_form(self) -> MatrixFreeBlock:
@@ -202,9 +190,9 @@ class SymmetricDampingBlock(MatrixFreeBlock):
 
         self._whole.over_blocks(SYMMETRIC_TANGENT * arguments[4] ** 2, call)
 
-    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
-        """As the whole block."""
-        self._whole.tangent_product(t, q, v, alpha_q, alpha_v, x, f)
+    def tangent(self) -> ShellTangent:
+        """That of the whole block."""
+        return self._whole.tangent()
 
     def energy(self, t: float, q: Floats) -> float:
         """As the whole block."""

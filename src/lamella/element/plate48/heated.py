@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from lamella.element.packing import packed, packed_indices, packed_targets
 from lamella.element.plate48 import heat_kernels as kernels
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.interpolation import N_SECTION
-from lamella.element.plate48.layout import GaussTables, Plate48Block, gauss_tables
+from lamella.element.plate48.layout import GaussTables, KernelArguments, Plate48Block, gauss_tables
+from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import hermite_table, product_order
 from lamella.element.plate48.strain import Cubed
 from lamella.lane import WIDTH, aligned
 from lamella.math.gauss import gauss_rule
 from lamella.roles import Floats, ForceBlock, Ints, Symmetry
+from lamella.threads import Workspace
 
 NODES = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Order of an element's nodes, (a, b), in its temperatures."""
@@ -73,15 +77,34 @@ class HeatedShellBlock(ShellBlock):
         self._heat(q)
         super().force_tangent(t, q, v, alpha_q, alpha_v, q_previous, f, k)
 
-    def tangent_product(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, x: Floats, f: Floats) -> None:
-        """alpha_q d2W/de2 x."""
-        self._heat(q)
-        super().tangent_product(t, q, v, alpha_q, alpha_v, x, f)
+    def tangent(self) -> ShellTangent:
+        """The tangent d2W/de2."""
+        return _HeatedTangent(self, self._arguments, self._work, self._heat)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy of s - s_T [J]."""
         self._heat(q)
         return super().energy(t, q)
+
+
+class _HeatedTangent(ShellTangent):
+    """That of a heated shell, whose resultants depend on the temperatures.
+
+    Args:
+        block, arguments, work: as for :class:`ShellTangent`.
+        heat: gives the points of the block the temperatures in q.
+    """
+
+    def __init__(
+        self, block: ShellBlock, arguments: Sequence[KernelArguments], work: Workspace, heat: Callable[[Floats], None]
+    ) -> None:
+        super().__init__(block, arguments, work)
+        self._heat = heat
+
+    def look(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float) -> None:
+        """Evaluate what all products at a point need."""
+        self._heat(q)
+        super().look(t, q, v, alpha_q, alpha_v)
 
 
 class GaussPoints:

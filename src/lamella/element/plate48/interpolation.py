@@ -63,21 +63,22 @@ def interpolate_xi(work: Floats, source: int, table: Floats, i: int, j: int) -> 
 
 
 @inlined
-def _three(array: Floats, at: int) -> Any:
+def three(array: Floats, at: int) -> Any:
+    """Three lanes of an array, as of a vector."""
     return (load(array, at), load(array, at + 1), load(array, at + 2))
 
 
 @inlined
 def stiffness(sections: Floats, s: int) -> Any:
     """The 21 upper entries of the stiffness of a Gauss point."""
-    first = _three(sections, s) + _three(sections, s + 3) + _three(sections, s + 6) + _three(sections, s + 9)
-    return first + _three(sections, s + 12) + _three(sections, s + 15) + _three(sections, s + 18)
+    first = three(sections, s) + three(sections, s + 3) + three(sections, s + 6) + three(sections, s + 9)
+    return first + three(sections, s + 12) + three(sections, s + 15) + three(sections, s + 18)
 
 
 @inlined
 def reference(sections: Floats, s: int) -> Any:
     """The six constants of the reference surface at a Gauss point."""
-    return _three(sections, s + 21) + _three(sections, s + 24)
+    return three(sections, s + 21) + three(sections, s + 24)
 
 
 @inlined

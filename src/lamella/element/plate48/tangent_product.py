@@ -5,8 +5,9 @@ resultants N = C_e (s + c sdot) and the force (ds/dg)^T N
 
     (ds/dg)^T C_e ((alpha_q + c alpha_v) ds + alpha_q c dsdot) + alpha_q (d(ds/dg))^T N
 
-with the changes ds = (ds/dg) y, dsdot = (dsdot/dg) y and d(ds/dg) along y. One product takes about one and a half times as long
-as the force; layouts as in :mod:`lamella.element.plate48.kernels`.
+with the changes ds = (ds/dg) y, dsdot = (dsdot/dg) y and d(ds/dg) along y. What does not depend on x is evaluated once for all
+products at a point of the motion: g with the frame of the surface, N, and for viscous forces gdot with mdot. Then a product takes
+as long as the force; layouts as in :mod:`lamella.element.plate48.kernels`.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from lamella.element.plate48.interpolation import (
     spread_eta,
     spread_xi,
     stiffness,
+    three,
 )
 from lamella.element.plate48.strain import (
     Cubed,
@@ -39,7 +41,7 @@ from lamella.element.plate48.strain import (
     strains,
     surface_frame,
 )
-from lamella.lane import WIDTH
+from lamella.lane import WIDTH, store
 from lamella.roles import Floats, Ints
 
 Frame = tuple[Vector, Vector, Vector]
@@ -102,10 +104,85 @@ def _summed(u: tuple[Vector, ...], v: tuple[Vector, ...]) -> tuple[Vector, ...]:
     )
 
 
+@inlined
+def _keep(points: Floats, at: int, u: Vector) -> None:
+    store(points, at, u[0])
+    store(points, at + 1, u[1])
+    store(points, at + 2, u[2])
+
+
+@inlined
+def _keep5(points: Floats, at: int, g: tuple[Vector, ...]) -> None:
+    _keep(points, at, g[0])
+    _keep(points, at + 3, g[1])
+    _keep(points, at + 6, g[2])
+    _keep(points, at + 9, g[3])
+    _keep(points, at + 12, g[4])
+
+
+@inlined
+def _kept5(points: Floats, at: int) -> Any:
+    return three(points, at), three(points, at + 3), three(points, at + 6), three(points, at + 9), three(points, at + 12)
+
+
 @shared
-def tangent_product(
+def tangent_points(
     q: Floats,
     v: Floats,
+    alpha_q: float,
+    time: float,
+    elastic: bool,
+    index: Ints,
+    scale: Floats,
+    sections: Floats,
+    table: Floats,
+    n: int,
+    cubed: Cubed,
+    work: Floats,
+    points: Floats,
+) -> None:
+    """What all products at (q, v) need, in ``point_size(time)`` lanes of ``points`` for each Gauss point.
+
+    These are g, m, d1, d2 and alpha_q N, and where the retardation time c = ``time`` is not zero, gdot and mdot.
+    """
+    lines, rates, size, damped = 48, 48 + 36 * n, point_size(time), time != 0.0
+    for block in range(index.size // (48 * WIDTH)):
+        if damped:
+            gather_both(q, v, index, scale, block, table, n, work)
+        else:
+            gather(q, index, scale, block, work, 0)
+            interpolate_eta(work, 0, lines, table, n)
+        for j in range(n):
+            for i in range(n):
+                g = interpolate_xi(work, lines, table, i, j)
+                m, d1, d2 = surface_frame(g[0], g[1], cubed)
+                point = (block * n + j) * n + i
+                at, to = point * N_SECTION, point * size
+                s = strains(g, m, reference(sections, at))
+                s = weighted6(alpha_q if elastic else 0.0, s, 0.0, s)
+                if damped:
+                    g_rate = interpolate_xi(work, rates, table, i, j)
+                    m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
+                    s = weighted6(1.0, s, alpha_q * time, strain_rates(g, g_rate, m, m_rate))
+                    _keep5(points, to + 30, g_rate)
+                    _keep(points, to + 45, m_rate)
+                resultant = resultants(stiffness(sections, at), s)
+                _keep5(points, to, g)
+                _keep(points, to + 15, m)
+                _keep(points, to + 18, d1)
+                _keep(points, to + 21, d2)
+                _keep(points, to + 24, (resultant[0], resultant[1], resultant[2]))
+                _keep(points, to + 27, (resultant[3], resultant[4], resultant[5]))
+
+
+@inlined
+def point_size(time: float) -> int:
+    """Lanes kept of a Gauss point."""
+    return 48 if time != 0.0 else 30
+
+
+@shared
+def tangent_product(
     x: Floats,
     alpha_q: float,
     alpha_v: float,
@@ -118,45 +195,34 @@ def tangent_product(
     n: int,
     cubed: Cubed,
     work: Floats,
+    points: Floats,
     f: Floats,
 ) -> None:
-    """(alpha_q df/dq + alpha_v df/dv) x, f (block, 48), for x in the coordinates of q.
+    """(alpha_q df/dq + alpha_v df/dv) x, f (block, 48), for x in all coordinates, where :func:`tangent_points` has looked.
 
-    Of the viscous force with the retardation time c = ``time``, of the elastic one (``elastic``), or of both; v is not looked at
-    when c is zero.
+    Of the viscous force with the retardation time c = ``time``, of the elastic one (``elastic``), or of both.
     """
-    lines, rates, changes, sums = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n
+    lines, sums, size = 48, 48 + 36 * n, point_size(time)
     damped, weight = time != 0.0, time * alpha_v + (alpha_q if elastic else 0.0)
     for block in range(index.size // (48 * WIDTH)):
-        if damped:
-            gather_both(q, v, index, scale, block, table, n, work)
-        else:
-            gather(q, index, scale, block, work, 0)
-            interpolate_eta(work, 0, lines, table, n)
         gather(x, index, scale, block, work, 0)
-        interpolate_eta(work, 0, changes, table, n)
+        interpolate_eta(work, 0, lines, table, n)
         for j in range(n):
             for i in range(n):
-                g, y = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, changes, table, i, j)
-                frame = surface_frame(g[0], g[1], cubed)
+                y = interpolate_xi(work, lines, table, i, j)
+                point = (block * n + j) * n + i
+                at, kept = point * N_SECTION, point * size
+                g, frame = _kept5(points, kept), (three(points, kept + 15), three(points, kept + 18), three(points, kept + 21))
                 m, d1, d2 = frame
                 change = _frame_change(y, frame, cubed)
-                at = ((block * n + j) * n + i) * N_SECTION
-                c = stiffness(sections, at)
                 ds = strain_rates(g, y, m, change[0])
                 ds = weighted6(weight, ds, 0.0, ds)
-                if elastic:
-                    s = strains(g, m, reference(sections, at))
-                    s = weighted6(alpha_q, s, 0.0, s)
-                else:
-                    s = weighted6(0.0, ds, 0.0, ds)
                 if damped:
-                    g_rate = interpolate_xi(work, rates, table, i, j)
-                    m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
-                    s = weighted6(1.0, s, alpha_q * time, strain_rates(g, g_rate, m, m_rate))
+                    g_rate, m_rate = _kept5(points, kept + 30), three(points, kept + 45)
                     rates_change = _rates_change(g, g_rate, y, m_rate, frame, change, cubed)
                     ds = weighted6(1.0, ds, alpha_q * time, rates_change)
-                h = gradient(g, m, d1, d2, resultants(c, ds), cubed)
-                h = _summed(h, _gradient_change(g, y, resultants(c, s), frame, change, cubed))
+                h = gradient(g, m, d1, d2, resultants(stiffness(sections, at), ds), cubed)
+                resultant = three(points, kept + 24) + three(points, kept + 27)
+                h = _summed(h, _gradient_change(g, y, resultant, frame, change, cubed))
                 spread_xi(h, work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)
