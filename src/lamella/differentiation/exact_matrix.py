@@ -21,11 +21,16 @@ ENOUGH = 3e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-WORTH, DEAR = 5, 10
-"""Products at a point, beyond those with a new matrix, after which the next one gets a new matrix; and after which the next
-``TRIES`` get one each: to evaluate and factorise it costs as much as some ten."""
 TRIES = 10
-"""Points with new matrices one after another, before one is tried again that goes on with the last."""
+"""Points with new matrices one after another, before one is tried again that goes on with the last; twice as many each time that
+this has not paid."""
+
+
+def _products_for(linear: LinearSolver) -> float:
+    """How many products with substitutions take as long as a new matrix and its factorisation, less what Newton's method saves by
+    it: 6 on 6x6 elements, 12 on 24x16, where half and twice as many make little difference.
+    """
+    return 3.0 + 0.1 * linear.work_per_entry
 
 
 class ExactMatrix:
@@ -57,7 +62,10 @@ class ExactMatrix:
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
         self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
-        self._spent = self._least = self._beyond = self._tries = 0
+        self._cost = _products_for(self.linear)
+        self._spent = self._points = self._tries = 0
+        self._total, self._first, self._wait = 0.0, 0.0, TRIES
+        self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
         self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
         self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
 
@@ -82,22 +90,24 @@ class ExactMatrix:
     def follow(self, point: Point, weights: Weights) -> None:
         """Go to a point with the factorisation that the solver holds of one before, or with a new one where that pays.
 
-        Products at the point before tell whether it does. A new one is needed where constraints have multipliers.
+        It pays where the next point is expected to take more products than points have taken on average since the last one, which
+        counts as products itself. A new one is needed where constraints have multipliers.
         """
-        if self.renewed is None:
-            self._beyond, self._tries = self._spent - self._least, 0
-            enough = self._beyond <= WORTH
+        if self.renewed is not None:
+            self._total, self._points, self._tries = self._cost + self._spent, 1, self._tries + 1
+            pays = self._first > self._total and self._tries <= self._wait
         else:
-            self._tries += 1
-            enough = self._beyond <= DEAR or self._tries > TRIES
-        if self._outlasts and enough:
+            if self._points == 1:
+                self._first, self._tries = self._spent, 0
+                self._wait = 2 * self._wait if self._first > self._total else TRIES
+            self._total, self._points = self._total + self._spent, self._points + 1
+            pays = self._spent > self._total / self._points
+        if self._outlasts and not pays:
             self._begin(point, weights)
         else:
             self.factorise(point, weights)
 
     def _begin(self, point: Point, weights: Weights) -> None:
-        if self.renewed is not None:
-            self._least = self._spent
         self._at, self._residual, self.renewed = (point, weights), None, None
         self._spent = 0
         self._residuals.forget()
@@ -113,16 +123,15 @@ class ExactMatrix:
             return self._unsymmetric.solve(r, s)
         if self.equations.is_exact and self.renewed is not None:
             return self.linear.solve(-r, -s)
-        known, z = self._residuals, None
+        known, (none, nothing), z, learnt = self._residuals, self._nothing, None, 0
         if guess is None:
-            left = np.concatenate(self.linear.solve(-r, -s))
+            left = _joined(*self.linear.solve(-r, -s))
         else:
-            z = np.concatenate([guess, np.zeros_like(s)])
+            z = _joined(guess, nothing)
             left = self._lacking(r, s, z)
-        nothing, learnt = (np.zeros_like(r), np.zeros_like(s)), 0
         lacking = known.begin(z, left)
         while not lacking <= ENOUGH and learnt < MOST:
-            lacking = known.improve(self._lacking(*nothing, known.left))
+            lacking = known.improve(self._lacking(none, nothing, known.left))
             learnt += 1
         if lacking <= ENOUGH:
             z = known.solution()
@@ -152,14 +161,14 @@ class ExactMatrix:
 
     def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
         """The product of the exact matrix at a point with changes of the unknowns, to be used before the next is asked for."""
-        times, none = self._negative_product(point, weights), np.zeros(self.equations.n_u)
+        times, none = self._negative_product(point, weights), self._nothing[0]
         return lambda x: -times(none, x)
 
     def _negative_product(self, point: Point, weights: Weights) -> Callable[[Floats, Floats], Floats]:
         """-(r + A x) for r and x."""
         of, tangents, alpha_a = self.equations, self._tangents, weights.alpha_a
         tangents.look(point, of.coordinates(point), of.force_velocities(point), weights)
-        still, mass = np.zeros(of.n_u), of.mass.in_independent if alpha_a else None
+        still, mass = self._nothing[0], of.mass.in_independent if alpha_a else None
         if mass is not None and not tangents.lists:
             return lambda r, x: tangents.negative_sum(r, of.expand(x), alpha_a, mass, x)
 
@@ -184,19 +193,24 @@ class ExactMatrix:
 
         def lacking(r: Floats, s: Floats, z: Floats) -> Floats:
             x, y = z[:n], z[n:]
-            return np.concatenate(linear.solve(negative(r + J.T @ y, x), -(s + J @ x)))
+            return _joined(*linear.solve(negative(r + J.T @ y, x), -(s + J @ x)))
 
         return lacking
 
     def _by_skew_part(self) -> Callable[[Floats, Floats, Floats], Floats]:
         """As the matrix at hand is the symmetric part of A."""
         n, linear, skew = self.equations.n_u, self.linear, self.equations.skew_part()
-        return lambda r, s, z: np.concatenate(linear.solve(-(r + skew(z[:n])), -s)) - z
+        return lambda r, s, z: _joined(*linear.solve(-(r + skew(z[:n])), -s)) - z
 
 
 def exact(equations: Equations) -> Equations:
     """The same equations with their exact matrix: unsymmetric where a block is only nearly symmetric."""
     return equations if equations.is_exact else Equations(equations.model, symmetric=False, like=equations)
+
+
+def _joined(x: Floats, y: Floats) -> Floats:
+    """Unknowns with the multipliers behind them."""
+    return np.concatenate([x, y]) if len(y) else x
 
 
 @njit

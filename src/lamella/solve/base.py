@@ -34,6 +34,11 @@ class LinearSolver(ABC):
         """Number of negative eigenvalues (rule 6)."""
         return None
 
+    @property
+    def work_per_entry(self) -> float:
+        """Multiplications of a factorisation for each entry of the factor, which a solution takes once or twice."""
+        return 30.0
+
     @abstractmethod
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise the matrix with values ``k`` (nnz,) and ``j`` (j_nnz,)."""

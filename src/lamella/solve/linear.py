@@ -50,6 +50,11 @@ class AutomaticSolver(LinearSolver):
         """Of the solver that factorised last."""
         return self._active.negative_pivots
 
+    @property
+    def work_per_entry(self) -> float:
+        """Of the solver with pivots on the diagonal."""
+        return self._fixed.work_per_entry
+
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise with pivots on the diagonal, else by a general solver, which names the coordinate of a singular matrix."""
         self._active = self._fixed

@@ -54,6 +54,11 @@ class SchurSolver(LinearSolver):
         """Of K on the null space of J."""
         return self._negative
 
+    @property
+    def work_per_entry(self) -> float:
+        """Of the factorisation of K."""
+        return self._factor.cost / self._factor.size
+
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise; an error also when the matrix is regular but the pivots on the diagonal cannot be used."""
         free = self.try_factorise(k, j)
