@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from lamella.bench import array, contact, in_threads, kernels, linear, motion, parameter_study, scale, static, work
+from lamella.bench import array, contact, gradients, in_threads, kernels, linear, motion, parameter_study, scale, static, work
 from lamella.bench.picture import Picture
 from lamella.bench.row import Row
 from lamella.errors import ModelError, no_such
@@ -33,6 +33,7 @@ CASES = {
     "kernels": Case("element kernels", kernels.run),
     "contact": Case("contact of a belt with three rollers", contact.run),
     "study": Case("a parameter study on two processes", parameter_study.run),
+    "gradients": Case("derivatives by one parameter and by several, beside what they are of", gradients.run),
     "scale": Case("cost over size: a plate and a belt of up to 50 000 coordinates", scale.run),
     "threads": Case("one thread and two: parts of a step on 1600 elements, and steps of small and large plates", in_threads.run),
     "linear": Case("linear solvers on matrices like those of plates", linear.run),

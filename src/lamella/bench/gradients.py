@@ -1,0 +1,127 @@
+"""Gradients beside the solutions and runs that they are of: what a parameter costs."""
+
+from __future__ import annotations
+
+import inspect
+import statistics
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import lamella as lm
+from lamella.bench.clock import cpu
+from lamella.bench.row import NAN, Row
+from lamella.io.analysis import Analysis
+
+CASE = "gradients"
+AT = {"force": -10.0, "E1": 181e9, "nu12": 0.28, "density": 1560.0, "thickness": 4e-3, "length": 1.5}
+ALONE = ("force", "E1", "thickness", "length")
+"""Parameters that are asked for one by one; then all of :data:`AT` are asked for together."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is differentiated.
+
+    Args:
+        name: what it is.
+        steps: of it, which times are divided by.
+        mesh: elements in both directions.
+        damping: retardation time [s].
+        at: values of the parameters that differ from :data:`AT`.
+    """
+
+    name: str
+    steps: int
+    mesh: tuple[int, int] = (6, 6)
+    damping: float = 0.0
+    at: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of all parameters."""
+        return {**AT, **dict(self.at)}
+
+    @property
+    def analysis(self) -> Analysis:
+        """A motion in steps of 1 ms, or statics where there is one step."""
+        if self.steps == 1:
+            return lm.Statics("still")
+        return lm.Motion("swing", self.steps * 1e-3, lm.GeneralizedAlpha(1e-3, rho_inf=0.9))
+
+    def plate(self, **values: float) -> lm.System:
+        """A cantilever of 2 m width under a force at the middle of its free edge."""
+        at = {**self.values, **values}
+        ply = lm.Lamina(E1=at["E1"], E2=10.3e9, G12=7.7e9, nu12=at["nu12"], rho=at["density"])
+        layup = lm.Laminate(ply, angles=(0.0, 90.0, 0.0), thickness=at["thickness"])
+        system = lm.System()
+        plate = system.add(lm.Plate("plate", (at["length"], 2.0), self.mesh, layup, damping=self.damping))
+        tip = plate.marker("C", at["length"], 1.0)
+        system.add(lm.Clamp("root", plate.edge("x-")))
+        system.add(lm.PointForce("load", tip, (0.0, 0.0, at["force"])))
+        return system
+
+    def solve(self) -> object:
+        """Compute it without derivatives."""
+        analysis = self.analysis
+        if isinstance(analysis, lm.Motion):
+            return lm.simulate(self.plate(), analysis.t_end, analysis.integrator)
+        return lm.equilibrium(self.plate())
+
+    def gradient(self, names: Sequence[str]) -> lm.Gradient:
+        """Compute it with derivatives of the deflection of the loaded point by some parameters."""
+        outputs = {"deflection": lm.SignalOutput("C.position", component="z")}
+        return lm.gradient(self._of(names), {name: self.values[name] for name in names}, outputs, analyses=[self.analysis])
+
+    def _of(self, names: Sequence[str]) -> Callable[..., lm.System]:
+        """The plate as a function of some parameters alone."""
+
+        def plate(**values: Any) -> lm.System:
+            return self.plate(**values)
+
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        plate.__signature__ = inspect.Signature([inspect.Parameter(name, keyword) for name in names])  # pyright: ignore[reportFunctionMemberAccess]
+        return plate
+
+
+WORK = (
+    Work("statics, 24 x 16 elements", 1, (24, 16)),
+    Work("motion", 300),
+    Work("motion, 1.5 mm", 300, at=(("thickness", 1.5e-3),)),
+    Work("motion, damping 0.1 ms", 300, damping=1e-4),
+    Work("motion, damping 1 ms", 300, damping=1e-3),
+    Work("motion, 24 x 16 elements, damping 1 ms", 100, (24, 16), 1e-3),
+)
+
+
+def run(runs: int) -> Iterator[Row]:
+    """CPU time of each piece of work, and what derivatives take beyond it for each parameter, with their models."""
+    for work in WORK:
+        asked = [(name,) for name in ALONE] + [tuple(AT)]
+        for names in ((), *asked):
+            work.gradient(names) if names else work.solve()  # loads or compiles kernels
+        alone: list[float] = []
+        beyond: list[list[float]] = [[] for _ in asked]
+        found: list[float] = []
+        for _ in range(runs):
+            alone.append(cpu(work.solve)[0])
+            found.clear()
+            for names, times in zip(asked, beyond, strict=True):
+                seconds, gradient = cpu(partial(work.gradient, names))
+                times.append((seconds - alone[-1]) / len(names))
+                found.append(float(gradient["deflection", names[0]]))
+        unit, per = ("ms a step", 1e3 / work.steps) if work.steps > 1 else ("ms", 1e3)
+        own = Row(case=CASE, code="lamella", what=work.name, time=per * statistics.median(alone), unit=unit)
+        yield own.beside(own)
+        for names, times, value in zip(asked, beyond, found, strict=True):
+            one = len(names) == 1
+            yield Row(
+                case=CASE,
+                code="beyond it, a parameter",
+                what=names[0] if one else f"each of {len(names)}",
+                time=per * statistics.median(times),
+                unit=unit,
+                value=value if one else NAN,
+                quantity=f"d z_C / d {names[0]}" if one else "",
+            ).beside(own)
