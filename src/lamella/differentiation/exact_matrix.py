@@ -11,6 +11,7 @@ from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.assembly.product import TangentProduct
+from lamella.differentiation.renewal import Renewal
 from lamella.differentiation.residuals import ConjugateResiduals
 from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
@@ -21,9 +22,6 @@ ENOUGH = 3e-10
 """What a solution lacks, as a share of it, below which it is improved once more and no further."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
-TRIES = 10
-"""Points with new matrices one after another, before one is tried again that goes on with the last; twice as many each time that
-this has not paid."""
 
 
 def _products_for(linear: LinearSolver) -> float:
@@ -62,9 +60,7 @@ class ExactMatrix:
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
         self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
-        self._cost = _products_for(self.linear)
-        self._spent = self._points = self._tries = 0
-        self._total, self._first, self._wait = 0.0, 0.0, TRIES
+        self._renewal, self._spent = Renewal(_products_for(self.linear)), 0
         self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
         self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
         self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
@@ -90,18 +86,9 @@ class ExactMatrix:
     def follow(self, point: Point, weights: Weights) -> None:
         """Go to a point with the factorisation that the solver holds of one before, or with a new one where that pays.
 
-        It pays where the next point is expected to take more products than points have taken on average since the last one, which
-        counts as products itself. A new one is needed where constraints have multipliers.
+        A new one is needed where constraints have multipliers.
         """
-        if self.renewed is not None:
-            self._total, self._points, self._tries = self._cost + self._spent, 1, self._tries + 1
-            pays = self._first > self._total and self._tries <= self._wait
-        else:
-            if self._points == 1:
-                self._first, self._tries = self._spent, 0
-                self._wait = 2 * self._wait if self._first > self._total else TRIES
-            self._total, self._points = self._total + self._spent, self._points + 1
-            pays = self._spent > self._total / self._points
+        pays = self._renewal.pays(self._spent, new=self.renewed is not None)
         if self._outlasts and not pays:
             self._begin(point, weights)
         else:

@@ -113,6 +113,11 @@ class TurnedSolver(LinearSolver):
         """Number of negative eigenvalues, which no rotation changes."""
         return self.linear.negative_pivots
 
+    @property
+    def work_per_entry(self) -> float:
+        """Of the solver."""
+        return self.linear.work_per_entry
+
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise the matrix; see :meth:`made_at`."""
         self._at, self._turned = None, False
