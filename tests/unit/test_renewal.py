@@ -32,7 +32,10 @@ def least(products: Callable[[int], float], points: int = 400) -> float:
 @pytest.mark.parametrize("growth", [0.0, 0.05, 0.3, 1.0, 3.0])
 @pytest.mark.parametrize("first", [1.0, 3.0, 5.0])
 def test_interval_is_near_the_best(first: float, growth: float) -> None:
-    """A point that takes more than the average is known as such once it has been taken: one too many in each interval."""
+    """A point that takes more than the average is known as such once it has been taken: one too many in each interval.
+
+    Of those tried that costs most where points take 0, 5, 8: 6.33 each with three in an interval in place of 5.5 with two.
+    """
 
     def products(k: int) -> float:
         return first + growth * (k - 1) if k else 0.0

@@ -3,6 +3,7 @@
 A front of p pivots and u remaining rows is held as a *panel* (its first p columns, all rows) and an *update* (the u by u rest),
 both by columns, of which the lower triangles count. Column lengths are multiples of ``WIDTH`` and p of 4; padding is zero, padded
 pivots are 1. The factorisation is K = L S L^T with S = diag(+-1), which is Cholesky's when all signs are positive.
+Of the 4 by 4 blocks of L on the diagonal a panel keeps L below it and L^-1 transposed on and above it (:func:`invert_corner`).
 """
 
 # Stores of one tile stand side by side, as its rows do.
