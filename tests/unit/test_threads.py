@@ -160,7 +160,7 @@ def test_small_models_are_left_to_one_thread(monkeypatch: pytest.MonkeyPatch) ->
     def refused(*_):
         raise AssertionError("a thread was started")
 
-    monkeypatch.setattr(threads, "ThreadPoolExecutor", refused)
+    monkeypatch.setattr(threads, "Helpers", refused)
     threads.use(2)
     moved(cantilever(6))
 
@@ -171,7 +171,7 @@ def test_large_models_are_not() -> None:
     assert len(equations.matrix._bounds) > 2
     assert len(Multifrontal(equations.matrix.pattern)._plan.subtrees) > 1
     lm.equilibrium(equations)
-    assert threads._pool is not None
+    assert threads._helpers is not None
 
 
 def test_calls_are_shared_and_their_results_in_order() -> None:
@@ -195,9 +195,9 @@ def test_a_thread_that_is_late_is_not_waited_for() -> None:
     """The thread's only other work holds it up until all calls are made: the caller makes them itself."""
     threads.use(2)
     threads.run([lambda: None, lambda: None])
-    assert threads._pool is not None
+    assert threads._helpers is not None
     begun, over = threading.Event(), threading.Event()
-    threads._pool.submit(lambda: (begun.set(), over.wait(20.0)))
+    threads._helpers.hand(lambda: (begun.set(), over.wait(20.0)))
     assert begun.wait(20.0)
     assert threads.run([threading.get_ident for _ in range(5)]) == [threading.get_ident()] * 5
     over.set()
