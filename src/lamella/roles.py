@@ -18,6 +18,7 @@ of the fields and their rates.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -148,6 +149,17 @@ class ForceBlock(Memory, ABC):
     @property
     def symmetric_form(self) -> MatrixFreeBlock | None:
         """The same force with a symmetric tangent near to that of a nearly symmetric block; None where there is none."""
+        return None
+
+    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> ForceBlock | None:
+        """A block with the force sum w_i f_i(t, q, v) of this block and others, which costs as much as one of them.
+
+        None where there is none, as it asks for forces that differ by factors alone, such as the stiffness of a section.
+
+        Args:
+            others: of the same type.
+            weights: of this block and of each of the others.
+        """
         return None
 
     def settle(self, t: float, q: Floats) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ class Range:
 
     def __init__(self, first: int, end: int, n_block: int) -> None:
         self.first, self.end, self.n_block, self.is_all = first, end, n_block, end - first == n_block
+        self.known: dict[int, Any] = {}
+        """What kernels see of tables that last as long as this, by their identity."""
 
     def of(self, array: NDArray[Number]) -> NDArray[Number]:
         """The part of a flat array, which has equally many entries for each block."""
@@ -76,7 +78,7 @@ class ElementBlock(ForceBlock):
         coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
         self.element_scale = scale
         self.n_element, self.n_block = len(coords), n_blocks(len(coords))
-        self._all = Range(0, self.n_block, self.n_block)
+        self._all, self._ranges = Range(0, self.n_block, self.n_block), {}
         self._index, self._scale = packed_indices(coords), packed(scale)
         self._targets = packed_targets(coords)
         self.f_coords, self.f_scale = self._targets, self._scale
@@ -131,7 +133,13 @@ class ElementBlock(ForceBlock):
         if self.n_block * WIDTH * seconds < threads.WORTHWHILE or len(ranges := threads.cut(self.n_block, WIDTH * seconds)) == 1:
             call(self._all)  # small models are not asked more
         else:
-            threads.run([partial(call, Range(*ends, self.n_block)) for ends in ranges])
+            threads.run([partial(call, self._range(ends)) for ends in ranges])
+
+    def _range(self, ends: tuple[int, int]) -> Range:
+        """The blocks from the first to the end, with what kernels have seen of tables."""
+        if ends not in self._ranges:
+            self._ranges[ends] = Range(*ends, self.n_block)
+        return self._ranges[ends]
 
     @property
     def depends_on_time_alone(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from lamella.element.plate48.kernels import energy as elastic_energy
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
+from lamella.element.plate48.weighed import weighed_block
 from lamella.inertia import of_components
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
@@ -51,12 +53,12 @@ class KelvinVoigtBlock(Plate48Block):
         self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, time: float, n_gauss: int = 4
     ) -> None:
         super().__init__(name, coords, scale, reference, *all_entries())
-        self.time, self._arguments = time, self.kernel_arguments(gauss_tables(self, section, n_gauss))
+        self.time, self.arguments = time, self.kernel_arguments(gauss_tables(self, section, n_gauss))
         self._work, self._power = Workspace(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
         self._unused, self._energies = np.zeros(len(self.f_coords)), aligned(self.n_block * WIDTH)
-        if len(self._arguments) > 1:
+        if len(self.arguments) > 1:
             self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.n_k), self._power.copy()
-        self._symmetric_form = SymmetricDampingBlock(self, self._arguments, n_gauss)
+        self._symmetric_form = SymmetricDampingBlock(self, self.arguments, n_gauss)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force, with the elastic one if that is added."""
@@ -67,8 +69,8 @@ class KelvinVoigtBlock(Plate48Block):
         self._force(q, v, f, elastic=False)
 
     def _force(self, q: Floats, v: Floats, f: Floats, *, elastic: bool) -> None:
-        self._viscous_force(self._arguments[0], q, v, elastic, f, self._power)
-        for arguments in self._arguments[1:]:
+        self._viscous_force(self.arguments[0], q, v, elastic, f, self._power)
+        for arguments in self.arguments[1:]:
             self._viscous_force(arguments, q, v, elastic, self._f, self._part_power)
             f += self._f
             self._power += self._part_power
@@ -86,8 +88,8 @@ class KelvinVoigtBlock(Plate48Block):
         """Viscous force and its exact tangent."""
         self.force(t, q, v, f)
         how = q_previous, q_previous is not q, alpha_q, alpha_v
-        self._viscous_tangent(self._arguments[0], q, v, how, k)
-        for arguments in self._arguments[1:]:
+        self._viscous_tangent(self.arguments[0], q, v, how, k)
+        for arguments in self.arguments[1:]:
             self._viscous_tangent(arguments, q, v, how, self._k)
             k += self._k
 
@@ -100,9 +102,14 @@ class KelvinVoigtBlock(Plate48Block):
 
         self.over_blocks(TANGENT * arguments[4] ** 2, call)
 
+    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> KelvinVoigtBlock | None:
+        """The elements with the stiffness sum w_i C_i, in which the force is linear; not of other retardation times."""
+        same = [each for each in (self, *others) if isinstance(each, type(self)) and each.time == self.time]
+        return weighed_block(same, weights) if len(same) == len(weights) else None
+
     def tangent(self) -> ShellTangent:
         """The exact tangent."""
-        return ShellTangent(self, self._arguments, self._work, self.time, self.elastic)
+        return ShellTangent(self, self.arguments, self._work, self.time, self.elastic)
 
     @property
     def symmetric_form(self) -> MatrixFreeBlock:
@@ -131,7 +138,7 @@ class SymmetricDampingBlock(MatrixFreeBlock):
     depends_on_velocity = linear_in_velocity = True
 
     def __init__(self, whole: KelvinVoigtBlock, arguments: list[KernelArguments], n_gauss: int) -> None:
-        self.name, self._whole, self._arguments = whole.name, whole, arguments
+        self.name, self._whole, self.arguments = whole.name, whole, arguments
         self.f_coords, self.f_scale = whole.f_coords, whole.f_scale
         self._work = Workspace(work_size(n_gauss) * WIDTH)
         self._more = aligned(self.f_coords.size), aligned(whole.n_block * len(upper_entries()[0]) * WIDTH * (len(arguments) > 1))
@@ -168,7 +175,7 @@ class SymmetricDampingBlock(MatrixFreeBlock):
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Force and symmetric tangent."""
-        first, *others = self._arguments
+        first, *others = self.arguments
         how = q_previous, q_previous is not q, alpha_q, alpha_v, self._whole.time, self._whole.elastic
         self._force_tangent(first, q, v, how, f, k)
         for arguments in others:
@@ -189,6 +196,10 @@ class SymmetricDampingBlock(MatrixFreeBlock):
             symmetric_tangent(q, v, *how, *seen(arguments, blocks), self._work.array, blocks.of(f), blocks.of(k))
 
         self._whole.over_blocks(SYMMETRIC_TANGENT * arguments[4] ** 2, call)
+
+    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> KelvinVoigtBlock | None:
+        """As the whole block."""
+        return self._whole.weighed([each._whole for each in others if isinstance(each, SymmetricDampingBlock)], weights)
 
     def tangent(self) -> ShellTangent:
         """That of the whole block."""
@@ -214,7 +225,7 @@ class DampedShellBlock(KelvinVoigtBlock):
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy [J]."""
         total = 0.0
-        for arguments in self._arguments:
+        for arguments in self.arguments:
             elastic_energy(q, *arguments, self._work.array, self._energies)
             total += float(self._energies[: self.n_element].sum())
         return total

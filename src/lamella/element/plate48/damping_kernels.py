@@ -18,7 +18,7 @@ from lamella._jit import inlined, inner, shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
-    N_SECTION,
+    constants_at,
     gather,
     interpolate_eta,
     interpolate_xi,
@@ -242,7 +242,7 @@ def viscous_force(
                 g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
                 s_rate = strain_rates(g, g_rate, m, normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed))
-                at = ((block * n + j) * n + i) * N_SECTION
+                at = constants_at(sections, block, n, i, j)
                 c = stiffness(sections, at)
                 res = resultants(c, s_rate)
                 total = total + 2.0 * time * energy_density(res, s_rate)
@@ -304,7 +304,7 @@ def viscous_tangent(
                 )
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
                 m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
-                at = ((block * n + j) * n + i) * N_SECTION
+                at = constants_at(sections, block, n, i, j)
                 c = stiffness(sections, at)
                 gammas = _store_rate_rows(g, g_rate, m, m_rate, d1, d2, c, work, rows, cubed)
                 _store_small(work, small, g, m, d1, d2, gammas, cubed)

@@ -15,7 +15,7 @@ from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.damping_kernels import gather_both, scaled21, strain_rates, weighted6
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
-    N_SECTION,
+    constants_at,
     gather,
     interpolate_eta,
     interpolate_xi,
@@ -78,7 +78,7 @@ def symmetric_tangent(
                 g, g_rate = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, rates, table, i, j)
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
                 s_rate = strain_rates(g, g_rate, m, normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed))
-                at = ((block * n + j) * n + i) * N_SECTION
+                at = constants_at(sections, block, n, i, j)
                 c, constants = stiffness(sections, at), reference(sections, at)
                 s = s_geometric = weighted6(time, s_rate, 0.0, s_rate)
                 if elastic:

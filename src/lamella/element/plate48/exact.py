@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -12,8 +13,9 @@ from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
+from lamella.element.plate48.weighed import weighed_block
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, ForceBlock, Ints
 from lamella.threads import Workspace
 
 FORCE, TANGENT = 40e-9, 0.36e-6
@@ -43,15 +45,15 @@ class ShellBlock(Plate48Block):
         self, name: str, coords: Ints, scale: Floats, reference: Floats, section: Section | Floats, n_gauss: int = 4
     ) -> None:
         super().__init__(name, coords, scale, reference, *upper_entries())
-        self._arguments = self.kernel_arguments(gauss_tables(self, section, n_gauss))
+        self.arguments = self.kernel_arguments(gauss_tables(self, section, n_gauss))
         self._work, self._energies = Workspace(kernels.work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
-        if len(self._arguments) > 1:
+        if len(self.arguments) > 1:
             self._f, self._k = aligned(self.f_coords.size), aligned(self.n_k)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/de."""
-        self._force(self._arguments[0], q, f)
-        for arguments in self._arguments[1:]:
+        self._force(self.arguments[0], q, f)
+        for arguments in self.arguments[1:]:
             self._force(arguments, q, self._f)
             f += self._f
 
@@ -65,8 +67,8 @@ class ShellBlock(Plate48Block):
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Elastic force and alpha_q d2W/de2; geometric part with strains extrapolated from ``q_previous``."""
-        self._force_tangent(self._arguments[0], q, q_previous, alpha_q, f, k)
-        for arguments in self._arguments[1:]:
+        self._force_tangent(self.arguments[0], q, q_previous, alpha_q, f, k)
+        for arguments in self.arguments[1:]:
             self._force_tangent(arguments, q, q_previous, alpha_q, self._f, self._k)
             f += self._f
             k += self._k
@@ -86,12 +88,17 @@ class ShellBlock(Plate48Block):
 
     def tangent(self) -> ShellTangent:
         """The tangent d2W/de2."""
-        return ShellTangent(self, self._arguments, self._work)
+        return ShellTangent(self, self.arguments, self._work)
+
+    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> ShellBlock | None:
+        """The elements with the stiffness sum w_i C_i, in which the force is linear; not of heated ones."""
+        same = [each for each in (self, *others) if type(each) is ShellBlock]
+        return weighed_block(same, weights) if len(same) == len(weights) else None
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy [J]."""
         total = 0.0
-        for arguments in self._arguments:
+        for arguments in self.arguments:
             kernels.energy(q, *arguments, self._work.array, self._energies)
             total += float(self._energies[: self.n_element].sum())
         return total

@@ -40,6 +40,7 @@ class HeatedShellBlock(ShellBlock):
     """
 
     varies = True
+    same_sections = False
 
     def __init__(
         self,
@@ -58,7 +59,7 @@ class HeatedShellBlock(ShellBlock):
         resultants = np.array([np.concatenate([a0, -a1]), np.concatenate([a1, -a2])])
         local = np.asarray(np.linalg.solve(Section.of(section).by_element, resultants.T), float)
         tables = gauss_tables(self, section, n_gauss)
-        self.parts = [HeatedPart(self, part, local, own[2]) for part, own in zip(tables, self._arguments, strict=True)]
+        self.parts = [HeatedPart(self, part, local, own[2]) for part, own in zip(tables, self.arguments, strict=True)]
         self._index_T, self._work_T = packed_indices(temperatures), aligned(8 * WIDTH)
 
     def _heat(self, q: Floats) -> None:
@@ -79,7 +80,7 @@ class HeatedShellBlock(ShellBlock):
 
     def tangent(self) -> ShellTangent:
         """The tangent d2W/de2."""
-        return _HeatedTangent(self, self._arguments, self._work, self._heat)
+        return _HeatedTangent(self, self.arguments, self._work, self._heat)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy of s - s_T [J]."""

@@ -16,6 +16,13 @@ N_SECTION = 27
 
 
 @inlined
+def constants_at(sections: Floats, block: int, n: int, i: int, j: int) -> int:
+    """Where the constants of Gauss point (i, j) of a block begin; where all elements are alike there are those of one block."""
+    own = block if len(sections) > n * n * N_SECTION * WIDTH else 0
+    return ((own * n + j) * n + i) * N_SECTION
+
+
+@inlined
 def gather(q: Floats, index: Ints, scale: Floats, block: int, work: Floats, target: int) -> None:
     """Element coordinates of a block, scaled, to work[target:]."""
     first, to = 48 * WIDTH * block, WIDTH * target

@@ -18,7 +18,7 @@ from lamella._jit import inner, kernel, shared
 from lamella.element.plate48.contraction import contract_eta, contract_xi
 from lamella.element.plate48.hessian import store_hessian
 from lamella.element.plate48.interpolation import (
-    N_SECTION,
+    constants_at,
     gather,
     interpolate_eta,
     interpolate_xi,
@@ -52,7 +52,7 @@ def energy(
         for j in range(n):
             for i in range(n):
                 g = interpolate_xi(work, 48, table, i, j)
-                at = ((block * n + j) * n + i) * N_SECTION
+                at = constants_at(sections, block, n, i, j)
                 m = surface_frame(g[0], g[1], cubed)[0]
                 s = strains(g, m, reference(sections, at))
                 total = total + energy_density(resultants(stiffness(sections, at), s), s)
@@ -71,7 +71,7 @@ def force(
         for j in range(n):
             for i in range(n):
                 g = interpolate_xi(work, 48, table, i, j)
-                at = ((block * n + j) * n + i) * N_SECTION
+                at = constants_at(sections, block, n, i, j)
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
                 s = strains(g, m, reference(sections, at))
                 h = gradient(g, m, d1, d2, resultants(stiffness(sections, at), s), cubed)
@@ -97,7 +97,7 @@ def _points_of_block(
     for j in range(n):
         for i in range(n):
             g = interpolate_xi(work, lines, table, i, j)
-            at = ((block * n + j) * n + i) * N_SECTION
+            at = constants_at(sections, block, n, i, j)
             c, constants = stiffness(sections, at), reference(sections, at)
             m, d1, d2 = surface_frame(g[0], g[1], cubed)
             res = resultants(c, strains(g, m, constants))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import get_args
+from typing import ClassVar, get_args
 
 import numpy as np
 
@@ -24,8 +24,11 @@ def seen(arguments: KernelArguments, blocks: Range) -> KernelArguments:
     """The arguments for some blocks of elements."""
     if blocks.is_all:
         return arguments
-    index, scale, sections, table, n, cubed = arguments
-    return blocks.of(index), blocks.of(scale), blocks.of(sections), table, n, cubed
+    if id(arguments) not in blocks.known:
+        index, scale, sections, table, n, cubed = arguments
+        own = sections if len(sections) == n * n * N_SECTION * WIDTH else blocks.of(sections)
+        blocks.known[id(arguments)] = blocks.of(index), blocks.of(scale), own, table, n, cubed
+    return blocks.known[id(arguments)]
 
 
 class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -46,13 +49,18 @@ class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportInco
     def __init__(self, name: str, coords: Ints, scale: Floats, reference: Floats, rows: Ints, columns: Ints) -> None:
         super().__init__(name, PLATE48, product_order(), coords, scale, reference, rows, columns)
 
+    arguments: list[KernelArguments]
+    """Of the kernels, for each part of the section."""
+    same_sections: ClassVar[bool] = True
+    """Whether elements that are alike read the same constants; not where these change with the temperature."""
+
     def kernel_arguments(self, tables: list[GaussTables]) -> list[KernelArguments]:
         """Index, scale, sections, table, number of points and normal for each part of the section."""
         return [(self._index, self._scale, part.sections, part.table, part.n, part.cubed) for part in tables]
 
 
 class GaussTables:
-    """Constants of the Gauss points for the kernels.
+    """Constants of the Gauss points for the kernels: of each element, or of one block where all are alike.
 
     Args:
         block: the elements.
@@ -71,17 +79,15 @@ class GaussTables:
         constants = surface.constants(self.cubed)
         if section.prestrain is not None:  # the strains of the kernels are counted from a reference that is shorter by it
             constants[..., :3] -= np.linalg.solve(surface.transform, section.prestrain[:, None])[..., 0]
-        self.sections = aligned(block.n_block * WIDTH * constants[0].size // 6 * N_SECTION)
         bending = np.ones_like(surface.area) if self.cubed is None else surface.area**2
-        pack_sections(
-            surface.transform,
-            section.stiffness.reshape(-1, 6, 6),
-            self._factor,
-            bending,
-            constants,
-            np.empty((3, 3)),
-            self.sections,
-        )
+        stiffness = section.stiffness.reshape(-1, 6, 6)
+        tables = surface.transform, stiffness, self._factor, bending, constants
+        alike = block.same_sections and len(stiffness) == 1 and surface.repeats
+        if alike:
+            tables = surface.transform[:1], stiffness, self._factor[:1], bending[:1], constants[:1]
+        n_block = 1 if alike else block.n_block
+        self.sections = aligned(n_block * WIDTH * n_gauss**2 * N_SECTION)
+        pack_sections(*tables, np.empty((3, 3)), self.sections)
         self.table, self.n = hermite_table(n_gauss), n_gauss
 
     @cached_property

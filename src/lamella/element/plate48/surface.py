@@ -20,6 +20,8 @@ from lamella.element.plate48.strain import Cubed
 from lamella.errors import ModelError
 from lamella.roles import Floats
 
+ROUNDING = 1e-12
+"""Share by which elements of a mesh differ that are alike: of coordinates that are a thousand elements away from 0."""
 NORMAL = 0.1
 """Sine of the angle to the normal below which a direction has no usable projection on the surface: nearby it turns over."""
 
@@ -39,6 +41,19 @@ class ReferenceSurface:
     first: Floats
     second: Floats
     transform: Floats
+
+    @property
+    def repeats(self) -> bool:
+        """Whether all elements have the same numbers at the same points, but for rounding."""
+        A11, A22 = self.first[:1, ..., 0], self.first[:1, ..., 1]
+        size, area = np.stack([A11, A22, np.sqrt(A11 * A22)], axis=-1), self.area[:1]
+        changes = (
+            self.area / area - 1.0,
+            (self.first - self.first[:1]) / size,
+            (self.second - self.second[:1]) / size * np.sqrt(area)[..., None],
+            (self.transform - self.transform[:1]) * size[..., None, :],
+        )
+        return all(float(np.abs(change).max()) <= ROUNDING for change in changes)
 
     def constants(self, cubed: Cubed) -> Floats:
         """A11/2, A22/2, A12 and B11, B22, B12 as the kernels' strains count from them, shape (..., 6).

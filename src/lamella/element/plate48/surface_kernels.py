@@ -102,8 +102,10 @@ def find_folds(r_xi: Floats, r_eta: Floats, degenerate: float, normals: Floats) 
     return thin, turned
 
 
+N_STIFFNESS = 21
+"""Numbers of the stiffness of a Gauss point, its upper triangle."""
 N_SECTION = 27
-"""Numbers of a Gauss point: the upper triangle of the stiffness, and six constants of the surface."""
+"""All numbers of a Gauss point: behind the stiffness six constants of the surface."""
 
 
 @inlined
@@ -149,4 +151,4 @@ def pack_sections(
                         r = row + i
                         sections[at + (r * (11 - r) // 2 + col + j) * WIDTH] = value
             for i in range(6):
-                sections[at + (21 + i) * WIDTH] = constants[e, g, i]
+                sections[at + (N_STIFFNESS + i) * WIDTH] = constants[e, g, i]

@@ -17,7 +17,7 @@ from typing import Any
 from lamella._jit import inlined, shared
 from lamella.element.plate48.damping_kernels import dual_rate, gather_both, strain_rates, weighted6
 from lamella.element.plate48.interpolation import (
-    N_SECTION,
+    constants_at,
     gather,
     interpolate_eta,
     interpolate_xi,
@@ -156,8 +156,7 @@ def tangent_points(
             for i in range(n):
                 g = interpolate_xi(work, lines, table, i, j)
                 m, d1, d2 = surface_frame(g[0], g[1], cubed)
-                point = (block * n + j) * n + i
-                at, to = point * N_SECTION, point * size
+                at, to = constants_at(sections, block, n, i, j), ((block * n + j) * n + i) * size
                 s = strains(g, m, reference(sections, at))
                 s = weighted6(alpha_q if elastic else 0.0, s, 0.0, s)
                 if damped:
@@ -210,8 +209,7 @@ def tangent_product(
         for j in range(n):
             for i in range(n):
                 y = interpolate_xi(work, lines, table, i, j)
-                point = (block * n + j) * n + i
-                at, kept = point * N_SECTION, point * size
+                at, kept = constants_at(sections, block, n, i, j), ((block * n + j) * n + i) * size
                 g, frame = _kept5(points, kept), (three(points, kept + 15), three(points, kept + 18), three(points, kept + 21))
                 m, d1, d2 = frame
                 change = _frame_change(y, frame, cubed)
