@@ -71,3 +71,28 @@ def test_forces_that_a_parameter_leaves_alone_are_not_evaluated(monkeypatch):
 
     monkeypatch.setattr(ShellBlock, "force", refuse)
     np.testing.assert_allclose(beside.residual(point, dud, dudd)[0], expected, atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("name", "times"), [("force", 0), ("rho", 0), ("E", 1), ("thickness", 1), ("length", 4)])
+def test_a_stiffness_takes_one_force_for_all_sides(name, times, monkeypatch):
+    """Forces are linear in the stiffness of a section: their difference is the force with the difference of the stiffness."""
+    base, beside = neighbours(name)
+    evaluated, force = [], ShellBlock.force
+
+    def counted(*arguments):
+        evaluated.append(1)
+        force(*arguments)
+
+    monkeypatch.setattr(ShellBlock, "force", counted)
+    beside.residual(*moved(base))
+    assert len(evaluated) == times
+
+
+def test_blocks_of_other_elements_or_times_have_no_sum():
+    first, longer = (plate(length=length).compile().forces[0] for length in (0.6, 0.7))
+    assert first.weighed([first], [0.5, 0.5]) is not None
+    assert first.weighed([longer], [0.5, 0.5]) is None
+    slow, fast = (plate(damping=damping).compile().forces[0].symmetric_form for damping in (1e-3, 2e-3))
+    assert slow.weighed([slow], [0.5, 0.5]) is not None
+    assert slow.weighed([fast], [0.5, 0.5]) is None
+    assert first.weighed([slow], [0.5, 0.5]) is None

@@ -122,16 +122,23 @@ class _Parts:
     def __init__(self, base: Equations, of_base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum]) -> None:
         blocks = [*zip(*([block for block, _ in each.parts] for each in sums), strict=True)]
         changed = [remembers(first) or not all(alike(first, other) for other in others) for first, *others in blocks]
+        wholes = [_whole(first, others, sides) if one else None for one, (first, *others) in zip(changed, blocks, strict=True)]
+        changed = [one and whole is None for one, whole in zip(changed, wholes, strict=True)]
         linear = [not one and block.linear_in_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         others = [one or block.depends_on_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         moving = [one and not other for one, other in zip(others, linear, strict=True)]
         of_all = base.model.n_q, base.elimination.T
+        self._wholes = ForceSum([whole for whole in wholes if whole], *of_all)
         self._linear = ForceSum([block for block, _ in compress(of_base.parts, linear)], *of_all)
         self._seeing = any(block.depends_on_velocity for block, _ in of_base.parts)
         self._changed, self._moving = (_Weighed(sides, sums, chosen, *of_all) for chosen in (changed, moving))
 
     def add(self, t: float, q: Floats, v: Floats, dv: Floats | None, r: Floats) -> None:
         """Add the derivative of their forces to r, with velocities that follow the parameter if ``dv`` is given."""
+        if self._wholes.parts:
+            for block, part in self._wholes.parts:
+                block.force(t, q, v, part)
+            self._wholes.onto(r)
         if dv is None:
             self._changed.add(t, q, v, None, r)
             return
@@ -139,6 +146,17 @@ class _Parts:
             block.damping_force(t, q, dv, part)
         self._linear.onto(r)
         self._moving.add(t, q, v, dv if self._seeing else None, r)
+
+
+def _whole(first: ForceBlock, others: Sequence[ForceBlock], sides: Sequence[Side]) -> ForceBlock | None:
+    """One block for the weighed sum of a block of all sides; None where there is none.
+
+    Where the velocities follow the parameter by dv, sum w_i f_i(v + d_i dv) is sum w_i f_i(v) and the damping of dv by
+    sum w_i d_i C_i, which is that of the base but for the error of the difference.
+    """
+    if remembers(first) or (first.depends_on_velocity and not first.linear_in_velocity):
+        return None
+    return first.weighed(others, [side.weight for side in sides])
 
 
 class _Weighed:
