@@ -19,7 +19,9 @@ from lamella.solve.base import LinearSolver
 from lamella.solve.linear import linear_solver
 
 ENOUGH = 3e-10
-"""What a solution lacks, as a share of it, below which it is improved once more and no further."""
+"""What a solution may lack, as a share of it, unless another share is given."""
+LEAST = 1e-12
+"""The same, below which rounding lies."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
 
@@ -45,6 +47,7 @@ class ExactMatrix:
     Args:
         equations: of the model.
         linear: a solver of the equations' pattern that may be used; one is made when left out.
+        enough: what a solution may lack, as a share of it; it is improved once more then and no further.
 
     Attributes:
         renewed: values of the matrix that was factorised for the present point, in the pattern's order; None where the one that
@@ -54,8 +57,8 @@ class ExactMatrix:
     symmetric part of A, P. Concus, G. H. Golub, Lecture Notes in Economics and Math. Systems 134 (1976) 56-65.
     """
 
-    def __init__(self, equations: Equations, linear: LinearSolver | None = None) -> None:
-        self.equations = equations
+    def __init__(self, equations: Equations, linear: LinearSolver | None = None, enough: float = ENOUGH) -> None:
+        self.equations, self._enough = equations, max(enough, LEAST)
         self.linear = linear or linear_solver(equations.matrix.pattern)
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
@@ -117,16 +120,16 @@ class ExactMatrix:
             z = _joined(guess, nothing)
             left = self._lacking(r, s, z)
         lacking = known.begin(z, left)
-        while not lacking <= ENOUGH and learnt < MOST:
+        while not lacking <= self._enough and learnt < MOST:
             lacking = known.improve(self._lacking(none, nothing, known.left))
             learnt += 1
-        if lacking <= ENOUGH:
+        if lacking <= self._enough:
             z = known.solution()
             return z[: len(r)], z[len(r) :]
         if self.renewed is None:
             self.factorise(*self._at)
         else:
-            self._unsymmetric = ExactMatrix(exact(self.equations))
+            self._unsymmetric = ExactMatrix(exact(self.equations), enough=self._enough)
             self._unsymmetric.factorise(*self._at)
         return self.solve(r, s, guess)
 
