@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -62,7 +62,7 @@ class ExactMatrix:
         self.linear = linear or linear_solver(equations.matrix.pattern)
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
-        self._residual: Callable[[Floats, Floats, Floats], Floats] | None = None
+        self._residual: Callable[[Floats, Floats, Floats], tuple[Floats, Floats]] | None = None
         self._renewal, self._spent = Renewal(_products_for(self.linear)), 0
         self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
         self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
@@ -113,15 +113,29 @@ class ExactMatrix:
             return self._unsymmetric.solve(r, s)
         if self.equations.is_exact and self.renewed is not None:
             return self.linear.solve(-r, -s)
-        known, (none, nothing), z, learnt = self._residuals, self._nothing, None, 0
-        if guess is None:
-            left = _joined(*self.linear.solve(-r, -s))
-        else:
-            z = _joined(guess, nothing)
-            left = self._lacking(r, s, z)
+        z = None if guess is None else _joined(guess, self._nothing[1])
+        return self._improved(r, s, z, _joined(*self.linear.solve(-r, -s)) if z is None else self._lacking(r, s, z))
+
+    def solve_each(self, changes: Sequence[tuple[Floats, Floats, Floats | None]]) -> list[tuple[Floats, Floats]]:
+        """The same for several changes with their guesses, whose first substitutions go together."""
+        if self._unsymmetric is not None or not self.equations.multiplies or len(changes) == 1:
+            return [self.solve(*each) for each in changes]
+        if self.equations.is_exact and self.renewed is not None:
+            return self.linear.solve_each([(-r, -s) for r, s, _ in changes])
+        starts = [(r, s, None if guess is None else _joined(guess, self._nothing[1])) for r, s, guess in changes]
+        lefts = self.linear.solve_each([(-r, -s) if z is None else self._rest(r, s, z) for r, s, z in starts])
+        renewed, found = self.renewed, []
+        for start, left, change in zip(starts, lefts, changes, strict=True):
+            same = self.renewed is renewed and self._unsymmetric is None  # else another matrix had to be factorised on the way
+            found.append(self._improved(*start, _joined(*left)) if same else self.solve(*change))
+        return found
+
+    def _improved(self, r: Floats, s: Floats, z: Floats | None, left: Floats) -> tuple[Floats, Floats]:
+        """The solution from its start z, or from zero, and what is left there."""
+        known, learnt = self._residuals, 0
         lacking = known.begin(z, left)
         while not lacking <= self._enough and learnt < MOST:
-            lacking = known.improve(self._lacking(none, nothing, known.left))
+            lacking = known.improve(self._lacking(*self._nothing, known.left))
             learnt += 1
         if lacking <= self._enough:
             z = known.solution()
@@ -131,7 +145,7 @@ class ExactMatrix:
         else:
             self._unsymmetric = ExactMatrix(exact(self.equations), enough=self._enough)
             self._unsymmetric.factorise(*self._at)
-        return self.solve(r, s, guess)
+        return self.solve(r, s, None if z is None else z[: len(r)])
 
     def stiffness(self, point: Point) -> Callable[[Floats], Floats]:
         """The product with K at a point; to be used before the equations' matrix is evaluated anew."""
@@ -170,27 +184,26 @@ class ExactMatrix:
 
     def _lacking(self, r: Floats, s: Floats, z: Floats) -> Floats:
         """-B^-1 ((r, s) + A z)."""
+        x = _joined(*self.linear.solve(*self._rest(r, s, z)))
+        return x if self.equations.multiplies else x - z
+
+    def _rest(self, r: Floats, s: Floats, z: Floats) -> tuple[Floats, Floats]:
+        """-((r, s) + A z), or -((r, s) + (A - B) z) where the matrix at hand is the symmetric part of A."""
         if self._residual is None:
             self._residual = self._by_products() if self.equations.multiplies else self._by_skew_part()
         self._spent += 1
         return self._residual(r, s, z)
 
-    def _by_products(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        n, linear, negative = self.equations.n_u, self.linear, self._negative_product(*self._at)
+    def _by_products(self) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]:
+        n, negative = self.equations.n_u, self._negative_product(*self._at)
         if not self.equations.n_lam:
-            return lambda r, s, z: linear.solve(negative(r, z), s)[0]
+            return lambda r, s, z: (negative(r, z), s)
         J = self.equations.jacobian(self._at[0])
+        return lambda r, s, z: (negative(r + J.T @ z[n:], z[:n]), -(s + J @ z[:n]))
 
-        def lacking(r: Floats, s: Floats, z: Floats) -> Floats:
-            x, y = z[:n], z[n:]
-            return _joined(*linear.solve(negative(r + J.T @ y, x), -(s + J @ x)))
-
-        return lacking
-
-    def _by_skew_part(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        """As the matrix at hand is the symmetric part of A."""
-        n, linear, skew = self.equations.n_u, self.linear, self.equations.skew_part()
-        return lambda r, s, z: _joined(*linear.solve(-(r + skew(z[:n])), -s)) - z
+    def _by_skew_part(self) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]:
+        n, skew = self.equations.n_u, self.equations.skew_part()
+        return lambda r, s, z: (-(r + skew(z[:n])), -s)
 
 
 def exact(equations: Equations) -> Equations:

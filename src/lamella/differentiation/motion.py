@@ -165,8 +165,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             weights.alpha_v,
             weights.alpha_a,
         )
-        for k, (each, old, a, rule) in enumerate(
-            zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
+        changes, rates = [], []
+        for each, old, a, rule, prediction in zip(
+            self.neighbours, self.derivatives, self._algorithmic, self._rules, self._predictions, strict=True
         ):
             base, ud0, udd0 = np.empty_like(a), np.empty_like(a), np.empty_like(a)
             _carried(old.u, old.ud, old.udd, a, *shares, base, ud0, udd0)
@@ -174,14 +175,15 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
                 value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
                 ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
             dr, ds = residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam))
-            du, dlam = self.matrix.solve(dr, ds, guess=self._predictions[k].guess(base))
+            changes.append((dr, ds, prediction.guess(base)))
+            rates.append((base, ud0, udd0))
+        for k, ((du, dlam), (base, ud, udd)) in enumerate(zip(self.matrix.solve_each(changes), rates, strict=True)):
             self._predictions[k].learn(base, du)
-            new, a_new = PointDerivative(du, ud0, udd0, dlam), np.empty_like(a)
-            _renewed(du, old.udd, a, n, weights.alpha_v, weights.rate, weights.alpha_a, *self._shares, ud0, udd0, a_new)
-            self._algorithmic[k] = a_new
+            old, a, rule, a_new = self.derivatives[k], self._algorithmic[k], self._rules[k], np.empty_like(du)
+            _renewed(du, old.udd, a, n, weights.alpha_v, weights.rate, weights.alpha_a, *self._shares, ud, udd, a_new)
+            self.derivatives[k], self._algorithmic[k] = PointDerivative(du, ud, udd, dlam), a_new
             if n < len(a):
-                rule.accept(dt, rule.algorithmic(old.ud[n:], new.ud[n:]))
-            self.derivatives[k] = new
+                rule.accept(dt, rule.algorithmic(old.ud[n:], ud[n:]))
         if self.matrix.renewed is not None:
             self._adopt(self.matrix.renewed, point, weights)
         self._take_note(point)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -49,6 +50,10 @@ class LinearSolver(ABC):
     @abstractmethod
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solution x (n,), y (n_lam,) for the right-hand side r (n,), s (n_lam,)."""
+
+    def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
+        """Solutions for several right-hand sides, which may cost less together."""
+        return [self.solve(r, s) for r, s in rights]
 
 
 class SymmetricFactor(ABC):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, get_args
 
 from lamella.assembly.pattern import Pattern
@@ -69,6 +70,10 @@ class AutomaticSolver(LinearSolver):
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve with the last factorisation."""
         return self._active.solve(r, s)
+
+    def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
+        """Solve several with the last factorisation."""
+        return self._active.solve_each(rights)
 
 
 def general_solver(pattern: Pattern) -> LinearSolver:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from lamella import threads
 from lamella.assembly.pattern import Pattern
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
-from lamella.solve import front_kernels, front_solution
+from lamella.solve import front_columns, front_kernels, front_solution
 from lamella.solve.base import SymmetricFactor
 from lamella.solve.layout import layout_of
 from lamella.solve.schedule import row_ranges, schedule_of
@@ -19,6 +19,8 @@ from lamella.threads import Workspace
 SMALL_PIVOT = 1e-12
 """A pivot below this share of its diagonal entry may be rounding, which leaves up to some 1e-13 where a body turns freely; long
 thin strips have 1e-9 and more. Where a matrix is regular all the same, a general solver finds that by its condition."""
+SEVERAL = 3
+"""Right-hand sides from which a substitution with all at once is faster than one with each."""
 
 
 class Multifrontal(SymmetricFactor):
@@ -89,11 +91,40 @@ class Multifrontal(SymmetricFactor):
         """K^-1 r by forward and back substitution."""
         if r.ndim == 1:
             return self._solve(r)
-        x = np.empty_like(r)
-        columns, out = r.reshape(len(r), -1), x.reshape(len(r), -1)
-        for i in range(columns.shape[1]):
-            out[:, i] = self._solve(np.ascontiguousarray(columns[:, i]))
-        return x
+        rows = np.ascontiguousarray(r.T)
+        x = np.empty_like(rows)
+        for first in range(0, len(rows), WIDTH):
+            some = rows[first : first + WIDTH]
+            if len(some) >= SEVERAL:
+                self._solve_columns(some, x[first : first + WIDTH])
+            else:
+                for i, row in enumerate(some, first):
+                    x[i] = self._solve(row)
+        return x.T
+
+    @cached_property
+    def _columns(self) -> tuple[Floats, Floats, Workspace]:
+        """Work space for several right-hand sides: by position, by remaining row, and of a front."""
+        at = self._layout
+        return aligned(len(self._z) * WIDTH), aligned(len(at.rows) * WIDTH), Workspace((at.longest + WIDTH) * WIDTH)
+
+    def _solve_columns(self, r: Floats, out: Floats) -> None:
+        at, plan, (x, rest, y) = self._layout, self._plan, self._columns
+
+        def forward(order: Ints) -> None:
+            front_columns.forward(order, plan.fronts, at.runs, self._a, self._signs, x, rest, y.array)
+
+        def backward(order: Ints) -> None:
+            front_columns.backward(order, plan.fronts, at.rows, self._a, x, y.array)
+
+        front_columns.spread_columns(r, at.position, x)
+        subtrees = self._orders if plan.solves else [self._order]
+        above = plan.above if plan.solves else self._order[:0]
+        threads.run([partial(forward, order) for order in subtrees])
+        forward(above)
+        backward(above)
+        threads.run([partial(backward, order) for order in subtrees])
+        front_columns.gather_columns(x, at.position, out)
 
     def _solve(self, r: Floats) -> Floats:
         at, plan, z, x = self._layout, self._plan, self._z, np.empty_like(r)

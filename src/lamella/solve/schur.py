@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.linalg import get_lapack_funcs
 
@@ -130,7 +132,18 @@ class SchurSolver(LinearSolver):
         """Solve. The error of y shows in J x = s alone and is corrected once."""
         if self._negative is None:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
-        x, y = self._solved(r), np.zeros(self.pattern.n_lam)
+        return self._completed(self._solved(r), s)
+
+    def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
+        """Solve, with one reading of the factor for several right-hand sides unless solutions are refined."""
+        if self._k is not None or self._negative is None:
+            return super().solve_each(rights)
+        x = self._factor.solve(np.array([r for r, _ in rights]).T)
+        return [self._completed(row, s) for row, (_, s) in zip(x.T, rights, strict=True)]
+
+    def _completed(self, x: Floats, s: Floats) -> tuple[Floats, Floats]:
+        """The solution with multipliers from x = K^-1 r, which is overwritten."""
+        y = np.zeros(self.pattern.n_lam)
         if not len(y):
             return x, y
         d = np.empty_like(y)

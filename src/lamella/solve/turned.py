@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import cos, sin, sqrt
 from typing import TYPE_CHECKING
 
@@ -137,11 +138,27 @@ class TurnedSolver(LinearSolver):
         """Solution for the present place."""
         if not self._turned:
             return self.linear.solve(r, s)
-        there, x = np.empty_like(r), np.empty_like(r)
+        x, y = self.linear.solve(self._back_to_old(r), s)
+        return self._to_new(x), y
+
+    def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
+        """Several solutions for the present place."""
+        if not self._turned:
+            return self.linear.solve_each(rights)
+        found = self.linear.solve_each([(self._back_to_old(r), s) for r, s in rights])
+        return [(self._to_new(x), y) for x, y in found]
+
+    def _back_to_old(self, r: Floats) -> Floats:
+        """Q^T r."""
+        there = np.empty_like(r)
         _rotate(self._back, self._vectors.rows, r, there)
-        found, y = self.linear.solve(there, s)
-        _rotate(self._R, self._vectors.rows, found, x)
-        return x, y
+        return there
+
+    def _to_new(self, x: Floats) -> Floats:
+        """Q x."""
+        there = np.empty_like(x)
+        _rotate(self._R, self._vectors.rows, x, there)
+        return there
 
 
 @kernel

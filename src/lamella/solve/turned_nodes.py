@@ -53,19 +53,20 @@ class NodeTurnedSolver(TurnedSolver):
         _frames(u, self._nodes.slopes, self._frames)
         self._by_nodes = _between(self._start, self._frames, self._turns) <= self._apart
         if self._by_nodes:
-            self._returns[:] = self._turns.transpose(0, 2, 1)
+            self._returns[:], self._turned = self._turns.transpose(0, 2, 1), True
         else:
             super().turn(u)
 
-    def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
-        """Solution for the present place."""
-        if not self._by_nodes:
-            return super().solve(r, s)
-        there, x = np.empty_like(r), np.empty_like(r)
-        _turn(self._returns, self._nodes.places, self._nodes.owners, r, there)
-        found, y = self.linear.solve(there, s)
-        _turn(self._turns, self._nodes.places, self._nodes.owners, found, x)
-        return x, y
+    def _back_to_old(self, r: Floats) -> Floats:
+        return self._turned_by(self._returns, r) if self._by_nodes else super()._back_to_old(r)
+
+    def _to_new(self, x: Floats) -> Floats:
+        return self._turned_by(self._turns, x) if self._by_nodes else super()._to_new(x)
+
+    def _turned_by(self, turns: Floats, x: Floats) -> Floats:
+        there = np.empty_like(x)
+        _turn(turns, self._nodes.places, self._nodes.owners, x, there)
+        return there
 
 
 def turned_solver(linear: LinearSolver, vectors: Vectors) -> TurnedSolver | None:
