@@ -78,7 +78,23 @@ class TangentTables(NamedTuple):
     n: int
 
 
-class ForceBlock(Memory, ABC):
+class Force(ABC):
+    """What writes forces at the coordinates ``f_coords`` (n_f,), -1 for padding, with the factors ``f_scale`` (n_f,) in a sum."""
+
+    f_coords: Ints
+    f_scale: Floats
+
+    @abstractmethod
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write the force buffer ``f`` (n_f,)."""
+
+    @property
+    def depends_on_time_alone(self) -> bool:
+        """Whether it is the same for all states at one time, so that it is evaluated once for each time."""
+        return False
+
+
+class ForceBlock(Memory, Force):
     """Forces that depend on time, position and velocity, with their tangent.
 
     1. ``f_coords`` (n_f,) holds the global coordinate of each entry of the force buffer, -1 for padding; ``f_scale`` (n_f,) the
@@ -107,18 +123,12 @@ class ForceBlock(Memory, ABC):
     """Whether it acts on the rows of scalar fields; ``alpha_v`` is then the weight of their rates."""
     varies: bool = False
     """Whether the potential depends on time or temperature as well, as that of an actuator or of a heated shell does."""
-    f_coords: Ints
-    f_scale: Floats
     k_rows: Ints
     k_cols: Ints
     k_scale: Floats
     k_tables: TangentTables | None = None
     k_parts: Ints | None = None
     k_used: Bools
-
-    @abstractmethod
-    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        """Write the force buffer ``f`` (n_f,)."""
 
     @abstractmethod
     def force_tangent(
@@ -151,14 +161,14 @@ class ForceBlock(Memory, ABC):
         """The same force with a symmetric tangent near to that of a nearly symmetric block; None where there is none."""
         return None
 
-    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> ForceBlock | None:
-        """A block with the force sum w_i f_i(t, q, v) of this block and others, which costs as much as one of them.
+    def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
+        """What writes sum w_i f_i(t, q, v), the derivative of the force by a parameter, at less than the price of all f_i.
 
-        None where there is none, as it asks for forces that differ by factors alone, such as the stiffness of a section.
+        None where there is nothing better than to evaluate them.
 
         Args:
-            others: of the same type.
-            weights: of this block and of each of the others.
+            beside: this block for values of the parameter beside its own.
+            weights: of these, whose sum is 0.
         """
         return None
 

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import partial
 
 import numpy as np
 import pytest
+from shell_patch import SURFACES, gathered_force, patch
 
 import lamella as lm
 from lamella.assembly.equations import Equations
 from lamella.differentiation.difference import PartDifference, WholeDifference
 from lamella.differentiation.neighbours import neighbours_of
+from lamella.element.plate48.beside import ReferenceChange
+from lamella.element.plate48.block import SHELL
 from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.section import Section
+from lamella.element.plate48.shape import PLATE48
+
+BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "both": SHELL.damped}
+OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
 
 
 def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6):
@@ -73,26 +82,60 @@ def test_forces_that_a_parameter_leaves_alone_are_not_evaluated(monkeypatch):
     np.testing.assert_allclose(beside.residual(point, dud, dudd)[0], expected, atol=1e-6 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(("name", "times"), [("force", 0), ("rho", 0), ("E", 1), ("thickness", 1), ("length", 4)])
-def test_a_stiffness_takes_one_force_for_all_sides(name, times, monkeypatch):
-    """Forces are linear in the stiffness of a section: their difference is the force with the difference of the stiffness."""
+@pytest.mark.parametrize(
+    ("name", "forces", "changes"), [("force", 0, 0), ("rho", 0, 0), ("E", 1, 0), ("thickness", 1, 0), ("length", 0, 1)]
+)
+def test_one_evaluation_serves_all_sides(name, forces, changes, monkeypatch):
+    """Forces are linear in a stiffness; of a length it is the derivatives of tables that give that of the force."""
     base, beside = neighbours(name)
-    evaluated, force = [], ShellBlock.force
+    evaluated = Counter()
+    for owner in (ShellBlock, ReferenceChange):
+        force = owner.force
 
-    def counted(*arguments):
-        evaluated.append(1)
-        force(*arguments)
+        def counted(*arguments, owner=owner, force=force):
+            evaluated[owner] += 1
+            force(*arguments)
 
-    monkeypatch.setattr(ShellBlock, "force", counted)
+        monkeypatch.setattr(owner, "force", counted)
     beside.residual(*moved(base))
-    assert len(evaluated) == times
+    assert (evaluated[ShellBlock], evaluated[ReferenceChange]) == (forces, changes)
 
 
-def test_blocks_of_other_elements_or_times_have_no_sum():
-    first, longer = (plate(length=length).compile().forces[0] for length in (0.6, 0.7))
-    assert first.weighed([first], [0.5, 0.5]) is not None
-    assert first.weighed([longer], [0.5, 0.5]) is None
+def test_blocks_of_other_meshes_or_times_have_no_change_of_their_own():
+    block, longer = (plate(length=length).compile().forces[0] for length in (0.6, 0.7))
+    assert block.force_change([block, block], [1.0, -1.0]) is not None
+    assert block.force_change([longer, longer], [1.0, -1.0]) is not None
     slow, fast = (plate(damping=damping).compile().forces[0].symmetric_form for damping in (1e-3, 2e-3))
-    assert slow.weighed([slow], [0.5, 0.5]) is not None
-    assert slow.weighed([fast], [0.5, 0.5]) is None
-    assert first.weighed([slow], [0.5, 0.5]) is None
+    assert slow.force_change([slow], [1.0]) is not None
+    assert slow.force_change([fast], [1.0]) is None
+    assert block.force_change([slow], [1.0]) is None
+    other = ShellBlock("plate", *patch(PLATE48, (0.0, 0.3, 0.6), (0.0, 0.1, 0.2, 0.3)).tables, np.eye(6))
+    assert block.force_change([other], [1.0]) is None
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.parametrize("option", OPTIONS)
+@pytest.mark.parametrize("kind", BLOCKS)
+def test_change_of_the_reference_is_that_of_the_force(kind, option, surface):
+    """Against differences of sixth order of the force itself, of elements whose sizes, reference and stiffness change with p."""
+    rng = np.random.default_rng(8)
+    A, B = rng.standard_normal((2, 6, 6))
+    C, dC = A @ A.T + np.eye(6), 0.1 * (B + B.T)
+
+    def at(p):
+        mesh = patch(
+            PLATE48, np.array([0.0, 0.5, 0.9]) * (1.0 + p), np.array([0.0, 0.4, 0.8]) * (1.0 - 0.4 * p), SURFACES[surface]
+        )
+        return mesh, BLOCKS[kind](
+            "plate", *mesh.tables, Section(C + p * dC, **OPTIONS[option]), *(() if kind == "elastic" else (0.3,))
+        )
+
+    (mesh, block), h = at(0.0), 1e-3
+    q = mesh.rest + 0.05 * rng.standard_normal(mesh.rest.shape)
+    v = rng.standard_normal(len(q))
+    places, weights = (-2, -1, 1, 2), np.array([1 / 12, -8 / 12, 8 / 12, -1 / 12]) / h
+    found = block.force_change([at(place * h)[1] for place in places], weights)
+    assert isinstance(found, ReferenceChange)
+    sixth = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
+    expected = sum(w / h * (gathered_force(at(k * h)[1], q, v) - gathered_force(at(-k * h)[1], q, v)) for k, w in sixth.items())
+    np.testing.assert_allclose(gathered_force(found, q, v), expected, atol=1e-8 * np.abs(expected).max())

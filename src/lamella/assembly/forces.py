@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 from scipy import sparse
@@ -10,10 +11,12 @@ from scipy import sparse
 from lamella.assembly.expand import through
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Weights
-from lamella.roles import Floats, ForceBlock
+from lamella.roles import Floats, Force, ForceBlock
+
+Block = TypeVar("Block", bound=Force)
 
 
-class ForceSum:
+class ForceSum(Generic[Block]):
     """f(t, q, v) of some blocks: each writes a part of one buffer, which is summed at once, with weights if there are any.
 
     Blocks that depend on time alone are evaluated once for each time, and when all do, so are their sums.
@@ -29,10 +32,10 @@ class ForceSum:
 
     def __init__(
         self,
-        blocks: Sequence[ForceBlock],
+        blocks: Sequence[Block],
         n_q: int,
         T: sparse.csr_array | None = None,
-        like: ForceSum | None = None,
+        like: ForceSum[Block] | None = None,
         weights: Sequence[float] | None = None,
     ) -> None:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)
@@ -69,7 +72,15 @@ class ForceSum:
                 block.force(t, q, v, part)
             self._filled(t)
 
-    def linearise(self, t: float, q: Floats, v: Floats, weights: Weights, previous: Floats, tangents: Sequence[Floats]) -> None:
+    def linearise(
+        self: ForceSum[ForceBlock],
+        t: float,
+        q: Floats,
+        v: Floats,
+        weights: Weights,
+        previous: Floats,
+        tangents: Sequence[Floats],
+    ) -> None:
         """Let all blocks write their parts of the buffer, and alpha_q K + alpha_v D to their buffers in ``tangents``.
 
         Args:
@@ -83,7 +94,7 @@ class ForceSum:
             block.force_tangent(t, q, v, weights.alpha_q, alpha_v, previous, part, k)
         self._filled(t)
 
-    def damping(self, t: float, q: Floats, v: Floats) -> Floats:
+    def damping(self: ForceSum[ForceBlock], t: float, q: Floats, v: Floats) -> Floats:
         """f(t, q, v) - f(t, q, 0), shape (n_q,)."""
         for block, part in self.parts:
             block.damping_force(t, q, v, part)

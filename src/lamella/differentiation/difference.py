@@ -17,7 +17,7 @@ from lamella.assembly.operator import VectorOperator
 from lamella.assembly.point import Point
 from lamella.differentiation.alike import alike
 from lamella.inertia import whole_mass
-from lamella.roles import ConstraintBlock, Floats, ForceBlock
+from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,10 @@ class _Parts:
     def __init__(self, base: Equations, of_base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum]) -> None:
         blocks = [*zip(*([block for block, _ in each.parts] for each in sums), strict=True)]
         changed = [remembers(first) or not all(alike(first, other) for other in others) for first, *others in blocks]
-        wholes = [_whole(first, others, sides) if one else None for one, (first, *others) in zip(changed, blocks, strict=True)]
+        of_values = [block for block, _ in of_base.parts]
+        wholes = [
+            _whole(value, beside, sides) if one else None for one, value, beside in zip(changed, of_values, blocks, strict=True)
+        ]
         changed = [one and whole is None for one, whole in zip(changed, wholes, strict=True)]
         linear = [not one and block.linear_in_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         others = [one or block.depends_on_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
@@ -148,15 +151,15 @@ class _Parts:
         self._moving.add(t, q, v, dv if self._seeing else None, r)
 
 
-def _whole(first: ForceBlock, others: Sequence[ForceBlock], sides: Sequence[Side]) -> ForceBlock | None:
-    """One block for the weighed sum of a block of all sides; None where there is none.
+def _whole(block: ForceBlock, beside: Sequence[ForceBlock], sides: Sequence[Side]) -> Force | None:
+    """One force for the weighed sum of a block of all sides; None where there is none.
 
     Where the velocities follow the parameter by dv, sum w_i f_i(v + d_i dv) is sum w_i f_i(v) and the damping of dv by
     sum w_i d_i C_i, which is that of the base but for the error of the difference.
     """
-    if remembers(first) or (first.depends_on_velocity and not first.linear_in_velocity):
+    if remembers(block) or (block.depends_on_velocity and not block.linear_in_velocity):
         return None
-    return first.weighed(others, [side.weight for side in sides])
+    return block.force_change(beside, [side.weight for side in sides])
 
 
 class _Weighed:

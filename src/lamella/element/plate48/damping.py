@@ -10,16 +10,16 @@ from scipy.sparse import csr_array
 
 from lamella.element.block import Range
 from lamella.element.plate48 import damping_kernels as kernels
+from lamella.element.plate48.beside import force_change
 from lamella.element.plate48.damping_symmetric import symmetric_tangent, work_size
 from lamella.element.plate48.entries import all_entries, upper_entries
 from lamella.element.plate48.kernels import energy as elastic_energy
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
-from lamella.element.plate48.weighed import weighed_block
 from lamella.inertia import of_components
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
+from lamella.roles import Floats, Force, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
 from lamella.threads import Workspace
 
 FORCE, TANGENT, SYMMETRIC_TANGENT = 60e-9, 0.8e-6, 0.4e-6
@@ -102,10 +102,10 @@ class KelvinVoigtBlock(Plate48Block):
 
         self.over_blocks(TANGENT * arguments[4] ** 2, call)
 
-    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> KelvinVoigtBlock | None:
-        """The elements with the stiffness sum w_i C_i, in which the force is linear; not of other retardation times."""
-        same = [each for each in (self, *others) if isinstance(each, type(self)) and each.time == self.time]
-        return weighed_block(same, weights) if len(same) == len(weights) else None
+    def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
+        """As the role says; not by the retardation time."""
+        same = [each for each in beside if isinstance(each, type(self)) and each.time == self.time]
+        return force_change(self, same, weights, self.time, self.elastic) if len(same) == len(beside) else None
 
     def tangent(self) -> ShellTangent:
         """The exact tangent."""
@@ -197,9 +197,10 @@ class SymmetricDampingBlock(MatrixFreeBlock):
 
         self._whole.over_blocks(SYMMETRIC_TANGENT * arguments[4] ** 2, call)
 
-    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> KelvinVoigtBlock | None:
+    def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
         """As the whole block."""
-        return self._whole.weighed([each._whole for each in others if isinstance(each, SymmetricDampingBlock)], weights)
+        same = [each._whole for each in beside if isinstance(each, SymmetricDampingBlock)]
+        return self._whole.force_change(same, weights) if len(same) == len(beside) else None
 
     def tangent(self) -> ShellTangent:
         """That of the whole block."""

@@ -9,13 +9,13 @@ import numpy as np
 
 from lamella.element.block import ElementBlock, Range
 from lamella.element.plate48 import kernels
+from lamella.element.plate48.beside import force_change
 from lamella.element.plate48.entries import upper_entries
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, gauss_tables, seen
 from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
-from lamella.element.plate48.weighed import weighed_block
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, ForceBlock, Ints
+from lamella.roles import Floats, Force, ForceBlock, Ints
 from lamella.threads import Workspace
 
 FORCE, TANGENT = 40e-9, 0.36e-6
@@ -90,10 +90,12 @@ class ShellBlock(Plate48Block):
         """The tangent d2W/de2."""
         return ShellTangent(self, self.arguments, self._work)
 
-    def weighed(self, others: Sequence[ForceBlock], weights: Sequence[float]) -> ShellBlock | None:
-        """The elements with the stiffness sum w_i C_i, in which the force is linear; not of heated ones."""
-        same = [each for each in (self, *others) if type(each) is ShellBlock]
-        return weighed_block(same, weights) if len(same) == len(weights) else None
+    def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
+        """As the role says; not of heated elements."""
+        same = [each for each in beside if type(each) is ShellBlock]
+        if type(self) is not ShellBlock or len(same) != len(beside):
+            return None
+        return force_change(self, same, weights, 0.0, elastic=True)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy [J]."""

@@ -49,7 +49,7 @@ Frame = tuple[Vector, Vector, Vector]
 
 
 @inlined
-def _frame_change(y: tuple[Vector, ...], frame: Frame, cubed: Cubed) -> Frame:
+def frame_change(y: tuple[Vector, ...], frame: Frame, cubed: Cubed) -> Frame:
     """Changes of m, d1 and d2 along y."""
     m, d1, d2 = frame
     dm = normal_change(y[0], y[1], m, d1, d2, cubed)
@@ -58,7 +58,7 @@ def _frame_change(y: tuple[Vector, ...], frame: Frame, cubed: Cubed) -> Frame:
 
 
 @inlined
-def _rates_change(
+def rates_change(
     g: tuple[Vector, ...], v: tuple[Vector, ...], y: tuple[Vector, ...], m_rate: Vector, frame: Frame, change: Frame, cubed: Cubed
 ) -> tuple[Any, ...]:
     """(dsdot/dg) y, the change of the rates of the strains along y; v = gdot."""
@@ -79,7 +79,7 @@ def _rates_change(
 
 
 @inlined
-def _gradient_change(
+def gradient_change(
     g: tuple[Vector, ...], y: tuple[Vector, ...], n: tuple[Any, ...], frame: Frame, change: Frame, cubed: Cubed
 ) -> tuple[Vector, ...]:
     """(d(ds/dg))^T N, the change of :func:`gradient` along y with the resultants as they are."""
@@ -94,7 +94,8 @@ def _gradient_change(
 
 
 @inlined
-def _summed(u: tuple[Vector, ...], v: tuple[Vector, ...]) -> tuple[Vector, ...]:
+def summed(u: tuple[Vector, ...], v: tuple[Vector, ...]) -> tuple[Vector, ...]:
+    """u + v of five vectors."""
     return (
         combined(1.0, u[0], 1.0, v[0]),
         combined(1.0, u[1], 1.0, v[1]),
@@ -212,15 +213,15 @@ def tangent_product(
                 at, kept = constants_at(sections, block, n, i, j), ((block * n + j) * n + i) * size
                 g, frame = _kept5(points, kept), (three(points, kept + 15), three(points, kept + 18), three(points, kept + 21))
                 m, d1, d2 = frame
-                change = _frame_change(y, frame, cubed)
+                change = frame_change(y, frame, cubed)
                 ds = strain_rates(g, y, m, change[0])
                 ds = weighted6(weight, ds, 0.0, ds)
                 if damped:
                     g_rate, m_rate = _kept5(points, kept + 30), three(points, kept + 45)
-                    rates_change = _rates_change(g, g_rate, y, m_rate, frame, change, cubed)
-                    ds = weighted6(1.0, ds, alpha_q * time, rates_change)
+                    of_rates = rates_change(g, g_rate, y, m_rate, frame, change, cubed)
+                    ds = weighted6(1.0, ds, alpha_q * time, of_rates)
                 h = gradient(g, m, d1, d2, resultants(stiffness(sections, at), ds), cubed)
                 resultant = three(points, kept + 24) + three(points, kept + 27)
-                h = _summed(h, _gradient_change(g, y, resultant, frame, change, cubed))
+                h = summed(h, gradient_change(g, y, resultant, frame, change, cubed))
                 spread_xi(h, work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)

@@ -1,0 +1,121 @@
+"""Derivatives of forces by a parameter, from the elements of models beside its value, at the price of one force or two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from typing import TypeVar
+
+import numpy as np
+
+from lamella.element.block import Range
+from lamella.element.plate48.layout import KernelArguments, Plate48Block, seen
+from lamella.element.plate48.reference_change import reference_change, work_size
+from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
+from lamella.lane import WIDTH, aligned
+from lamella.roles import Floats, Force
+from lamella.threads import Workspace
+
+Block = TypeVar("Block", bound=Plate48Block)
+POINT = 60e-9
+"""Seconds that a change of the reference takes for a Gauss point of an element."""
+
+
+def force_change(block: Block, beside: Sequence[Block], weights: Sequence[float], time: float, elastic: bool) -> Force | None:
+    """What writes sum w_i f_i, the derivative of a force by a parameter.
+
+    Forces that differ by the stiffness of their sections are linear in it: f(sum w_i C_i). Else scale and reference change too,
+    and the derivatives of these tables give that of the force.
+
+    Args:
+        block: the block at the value of the parameter.
+        beside: blocks of the same kind at the values beside it.
+        weights: of these, whose sum is 0.
+        time, elastic: retardation time [s], and whether there is the elastic force.
+
+    Returns:
+        None where the blocks have other elements or other Gauss points.
+    """
+    if not all(_comparable(block, other) for other in beside):
+        return None
+    for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
+        if not all(np.array_equal(own[1], other[1]) and _same_reference(own, other) for other in others):
+            return ReferenceChange(block, beside, weights, time, elastic)
+    found = copy(block)
+    found.arguments = []
+    for (index, scale, sections, *others), *its in zip(*(each.arguments for each in (block, *beside)), strict=True):
+        change = _with_stiffness(sections, _sum(weights, [other[2] for other in its]))
+        found.arguments.append((index, scale, change, *others))
+    return found
+
+
+class ReferenceChange(Force):
+    """The derivative of the elements' force by a parameter that changes their scale, reference and stiffness.
+
+    Args:
+        block, beside, weights, time, elastic: as for :func:`force_change`.
+    """
+
+    def __init__(
+        self, block: Plate48Block, beside: Sequence[Plate48Block], weights: Sequence[float], time: float, elastic: bool
+    ) -> None:
+        self.f_coords, self.f_scale = block.f_coords, block.f_scale
+        self._over_blocks, self._how = block.over_blocks, (time, elastic)
+        self._parts: list[tuple[KernelArguments, Floats, Floats, Floats]] = []
+        for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
+            scale = _sum(weights, [other[1] for other in others])
+            self._parts.append((own, scale, scale / own[1], _sum(weights, [other[2] for other in others])))
+        self._work = Workspace(max(work_size(own[4]) for own in block.arguments) * WIDTH)
+        self._more = aligned(self.f_coords.size if len(self._parts) > 1 else 0)
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write it to the force buffer ``f`` (n_f,)."""
+        first, *others = self._parts
+        self._force(*first, q, v, f)
+        for part in others:
+            self._force(*part, q, v, self._more)
+            f += self._more
+
+    def _force(
+        self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, q: Floats, v: Floats, f: Floats
+    ) -> None:
+        def call(blocks: Range) -> None:
+            own = change if len(change) == arguments[4] ** 2 * N_SECTION * WIDTH else blocks.of(change)
+            tables = blocks.of(scale), blocks.of(share), own
+            reference_change(q, v, *self._how, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
+
+        self._over_blocks(POINT * arguments[4] ** 2, call)
+
+
+def _comparable(block: Plate48Block, other: Plate48Block) -> bool:
+    """Whether the elements have the same coordinates, and their sections the same points, apart or together."""
+    if type(other) is not type(block) or len(other.arguments) != len(block.arguments):
+        return False
+    return all(
+        np.array_equal(own[0], its[0]) and len(own[2]) == len(its[2]) and own[4:] == its[4:]
+        for own, its in zip(block.arguments, other.arguments, strict=True)
+    )
+
+
+def _constants(sections: Floats) -> Floats:
+    """Those of the reference, shape (n_point, 6, WIDTH)."""
+    return sections.reshape(-1, N_SECTION, WIDTH)[:, N_STIFFNESS:]
+
+
+def _same_reference(own: KernelArguments, other: KernelArguments) -> bool:
+    return np.array_equal(_constants(own[2]), _constants(other[2]))
+
+
+def _with_stiffness(sections: Floats, stiffness: Floats) -> Floats:
+    """The constants of a reference with the stiffness of other sections."""
+    total = aligned(sections.size)
+    total[:] = stiffness
+    _constants(total)[:] = _constants(sections)
+    return total
+
+
+def _sum(weights: Sequence[float], tables: Sequence[Floats]) -> Floats:
+    total = aligned(tables[0].size)
+    for weight, table in zip(weights, tables, strict=True):
+        total += weight * table
+    return total

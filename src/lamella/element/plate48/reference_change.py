@@ -1,0 +1,100 @@
+"""The derivative of a force by a parameter that changes its elements: their sizes, reference and stiffness.
+
+With the scale S from global to element coordinates, e = S q, and the force f = S (ds/dg)^T N of the resultants N, a dash for the
+derivative by the parameter and y the change of g that belongs to e' = S' q,
+
+    f' = S' (ds/dg)^T N + S ((ds/dg)^T N' + (d(ds/dg))^T N),      N' = C (s' + c sdot') + C' (s + c sdot)
+
+where s' = (ds/dg) y less the change of the reference's constants, and sdot' = (dsdot/dg) y + (ds/dg) y' with the change y' that
+belongs to S' v. It costs as much as two forces, and loses no digits where the parameter stretches the membrane, as the difference
+of forces does.
+"""
+
+from __future__ import annotations
+
+from lamella._jit import shared
+from lamella.element.plate48.damping_kernels import strain_rates, weighted6
+from lamella.element.plate48.interpolation import (
+    constants_at,
+    gather,
+    interpolate_eta,
+    interpolate_xi,
+    reference,
+    spread_eta,
+    spread_xi,
+    stiffness,
+)
+from lamella.element.plate48.strain import Cubed, gradient, normal_change, resultants, strains, surface_frame
+from lamella.element.plate48.tangent_product import frame_change, gradient_change, rates_change, summed
+from lamella.lane import WIDTH, load, store
+from lamella.roles import Floats, Ints
+
+
+def work_size(n: int) -> int:
+    """Lanes of work space: coordinates, and six sets of sums on lines."""
+    return 48 + 6 * 36 * n
+
+
+@shared
+def reference_change(
+    q: Floats,
+    v: Floats,
+    time: float,
+    elastic: bool,
+    scale_change: Floats,
+    share: Floats,
+    change: Floats,
+    index: Ints,
+    scale: Floats,
+    sections: Floats,
+    table: Floats,
+    n: int,
+    cubed: Cubed,
+    work: Floats,
+    f: Floats,
+) -> None:
+    """f' / S, f (block, 48), of the viscous force with retardation time c = ``time``, of the elastic one, or of both.
+
+    Args:
+        scale_change, share: S' and S' / S, packed as ``scale`` is.
+        change: of the sections.
+        others: as in :mod:`lamella.element.plate48.kernels`.
+    """
+    lines, beside, rates, rates_beside, sums = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n, 48 + 144 * n
+    more, damped, weight = sums + 36 * n, time != 0.0, 1.0 if elastic else 0.0
+    for block in range(index.size // (48 * WIDTH)):
+        gather(q, index, scale, block, work, 0)
+        interpolate_eta(work, 0, lines, table, n)
+        gather(q, index, scale_change, block, work, 0)
+        interpolate_eta(work, 0, beside, table, n)
+        if damped:
+            gather(v, index, scale, block, work, 0)
+            interpolate_eta(work, 0, rates, table, n)
+            gather(v, index, scale_change, block, work, 0)
+            interpolate_eta(work, 0, rates_beside, table, n)
+        for j in range(n):
+            for i in range(n):
+                g, y = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, beside, table, i, j)
+                at = constants_at(sections, block, n, i, j)
+                c, dc = stiffness(sections, at), stiffness(change, at)
+                m, d1, d2 = frame = surface_frame(g[0], g[1], cubed)
+                turned = frame_change(y, frame, cubed)
+                s, ds = strains(g, m, reference(sections, at)), strain_rates(g, y, m, turned[0])
+                ds = weighted6(weight, ds, -weight, reference(change, at))
+                s = weighted6(weight, s, 0.0, s)
+                if damped:
+                    g_rate, y_rate = interpolate_xi(work, rates, table, i, j), interpolate_xi(work, rates_beside, table, i, j)
+                    m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
+                    s = weighted6(1.0, s, time, strain_rates(g, g_rate, m, m_rate))
+                    ds = weighted6(1.0, ds, time, rates_change(g, g_rate, y, m_rate, frame, turned, cubed))
+                    m_rate = normal_change(y_rate[0], y_rate[1], m, d1, d2, cubed)
+                    ds = weighted6(1.0, ds, time, strain_rates(g, y_rate, m, m_rate))
+                res = resultants(c, s)
+                dres = weighted6(1.0, resultants(c, ds), 1.0, resultants(dc, s))
+                spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
+                h = summed(gradient(g, m, d1, d2, dres, cubed), gradient_change(g, y, res, frame, turned, cubed))
+                spread_xi(h, work, more + j * 36, table, i, i == 0)
+        spread_eta(work, sums, table, n, f, block * 48)
+        spread_eta(work, more, table, n, work, 0)
+        for k in range(48):
+            store(f, block * 48 + k, load(work, k) + load(share, block * 48 + k) * load(f, block * 48 + k))
