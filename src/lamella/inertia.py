@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from scipy import sparse
@@ -12,8 +12,27 @@ from lamella.roles import Floats, InertiaBlock, Ints
 
 def vector_mass(blocks: Iterable[InertiaBlock], n_vectors: int) -> sparse.csr_array:
     """The matrix m of some blocks, sparse (n_vectors, n_vectors)."""
+    return _matrix(_entries(blocks), n_vectors)
+
+
+def differenced(models: Sequence[Sequence[InertiaBlock]], weights: Sequence[float], n_vectors: int) -> sparse.csr_array:
+    """sum w m of several models, as :func:`vector_mass` gives m; of one matrix where their entries stand at the same places."""
+    entries = [_entries(blocks) for blocks in models]
+    (i, j, _), *others = entries
+    if all(np.array_equal(i, other[0]) and np.array_equal(j, other[1]) for other in others):
+        return _matrix((i, j, np.tensordot(weights, [m for _, _, m in entries], 1)), n_vectors)
+    first, *more = (w * _matrix(each, n_vectors) for w, each in zip(weights, entries, strict=True))
+    return sparse.csr_array(sum(more, start=first))
+
+
+def _entries(blocks: Iterable[InertiaBlock]) -> tuple[Ints, Ints, Floats]:
     nothing = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
     i, j, m = (np.concatenate(part) for part in zip(nothing, *(block.mass() for block in blocks), strict=True))
+    return i, j, m
+
+
+def _matrix(entries: tuple[Ints, Ints, Floats], n_vectors: int) -> sparse.csr_array:
+    i, j, m = entries
     return sparse.csr_array(sparse.coo_array((m, (i, j)), shape=(n_vectors, n_vectors)))
 
 

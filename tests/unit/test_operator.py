@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from lamella.assembly.mass import in_independent, of_vectors
 from lamella.assembly.operator import SumOperator, VectorOperator
-from lamella.inertia import vector_mass
+from lamella.inertia import differenced, vector_mass, whole_mass
 
 ROUNDING = 1e-14  # of some tens of summands of size 1
 
@@ -59,3 +60,44 @@ def test_mass_that_treats_components_differently_does_not_go_by_vectors():
 def test_nothing_has_mass():
     assert VectorOperator.within(sparse.csr_array((4, 4))) is None
     assert np.array_equal(VectorOperator(vector_mass([], 4))(np.ones(14)), np.zeros(14))
+
+
+@pytest.mark.parametrize("fields", [0, 2])
+@pytest.mark.parametrize("kind", ["vectors", "one component held", "turned axes"])
+def test_mass_in_independent_coordinates(kind, fields):
+    """The map of vectors serves where there is one; else the components are not alike."""
+    m = sparse.csr_array(scattered((5, 5), 0.6) + sparse.eye_array(5))
+    m = sparse.csr_array(m + m.T)
+    t = sparse.csr_array(np.array([[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1], [0.5, 0.5, 0]], float))
+    T = sparse.kron(t, sparse.eye_array(3)).toarray()
+    if kind == "one component held":
+        T = np.delete(T, 4, axis=1)
+    elif kind == "turned axes":
+        T[3:6, 3:6] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    T = sparse.csr_array(sparse.block_diag([T, np.eye(fields)]) if fields else T)
+    T.eliminate_zeros()
+    assert (of_vectors(T, 5) is None) == (kind != "vectors")
+    expected = (T.T @ whole_mass(m, 15 + fields) @ T).toarray()
+    found = in_independent(m, T)
+    if kind != "vectors":
+        assert found is None
+        return
+    x = numbers(T.shape[1])
+    assert found is not None
+    assert np.allclose(found(x), expected @ x, rtol=0.0, atol=10 * ROUNDING)
+
+
+class Inertia:
+    def __init__(self, i, j, m):
+        self.entries = np.array(i), np.array(j), np.array(m, float)
+
+    def mass(self):
+        return self.entries
+
+
+@pytest.mark.parametrize("columns", [[0, 1, 1], [0, 2, 1]])
+def test_differences_of_masses(columns):
+    """Where their entries stand at the same places, and where they do not."""
+    models = [[Inertia([0, 1, 2], [0, 1, 1], [1.0, 2.0, 3.0])], [Inertia([0, 1, 2], columns, [1.5, 2.5, 2.0])]]
+    expected = sum(w * vector_mass(blocks, 3).toarray() for w, blocks in zip((0.5, -0.25), models, strict=True))
+    assert np.allclose(differenced(models, (0.5, -0.25), 3).toarray(), expected, rtol=0.0, atol=ROUNDING)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from functools import cached_property
 
+import numpy as np
 from scipy import sparse
 
 from lamella.assembly.operator import VectorOperator
+from lamella.inertia import whole_mass
 from lamella.model import Model
 
 
@@ -44,9 +46,31 @@ class Mass:
         """T^T M T; None where it does not go by vectors, since three products are faster then."""
         if self._same:
             return self._same.in_independent
-        return in_independent(self._model.mass, self._T)
+        return in_independent(self._model.vector_mass, self._T)
 
 
-def in_independent(M: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:
-    """T^T M T; None where it does not go by vectors."""
-    return VectorOperator.within(sparse.csr_array(T.T @ M @ T))
+def in_independent(m: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:
+    """T^T (m x 1_3) T; None where it does not go by vectors.
+
+    Args:
+        m: of the vectors, sparse (n_vectors, n_vectors).
+        T: map from independent to all coordinates, (n_q, n_u); fields behind the vectors have no mass.
+    """
+    by_vectors = of_vectors(T, len(m.indptr) - 1)
+    if by_vectors is not None and m.nnz:
+        return VectorOperator(sparse.csr_array(by_vectors.T @ m @ by_vectors))
+    return VectorOperator.within(sparse.csr_array(T.T @ whole_mass(m, len(T.indptr) - 1) @ T))
+
+
+def of_vectors(T: sparse.csr_array, n: int) -> sparse.csr_array | None:
+    """The map of vectors t, sparse (n, n_u / 3), if T = t x 1_3 in the first 3 n rows; else None."""
+    indptr = np.asarray(T.indptr)[: 3 * n + 1]
+    rows = np.repeat(np.arange(3 * n), np.diff(indptr))
+    columns, factors = np.asarray(T.indices)[: indptr[-1]], np.asarray(T.data)[: indptr[-1]]
+    if not np.array_equal(rows % 3, columns % 3):
+        return None
+    parts = [(rows[c] // 3, columns[c] // 3, factors[c]) for c in (rows % 3 == k for k in range(3))]
+    if not all(np.array_equal(*pair) for other in parts[1:] for pair in zip(parts[0], other, strict=True)):
+        return None
+    i, j, x = parts[0]
+    return sparse.csr_array((x, (i, j)), shape=(n, int(j.max(initial=-1)) + 1))

@@ -16,7 +16,7 @@ from lamella.assembly.mass import in_independent
 from lamella.assembly.operator import VectorOperator
 from lamella.assembly.point import Point
 from lamella.differentiation.alike import alike
-from lamella.inertia import whole_mass
+from lamella.inertia import differenced
 from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock
 
 
@@ -97,10 +97,11 @@ class _MassDifference:
     """dM/dp from the masses of the models beside a parameter."""
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
-        first, *others = (side.weight * side.equations.model.vector_mass for side in sides)
-        m = sparse.csr_array(sum(others, start=first))
+        m = differenced(
+            [side.equations.model.inertias for side in sides], [side.weight for side in sides], base.model.n_motion // 3
+        )
         self._expand, self._gather, self._in_all = base.expand, base.gather, VectorOperator(m)
-        self._in_independent = in_independent(whole_mass(m, base.model.n_q), base.elimination.T)
+        self._in_independent = in_independent(m, base.elimination.T)
 
     def add_force(self, udd: Floats, r: Floats) -> None:
         """Add T^T dM/dp T udd to r."""
