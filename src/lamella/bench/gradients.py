@@ -102,25 +102,25 @@ def run(runs: int) -> Iterator[Row]:
         for names in ((), *asked):
             work.gradient(names) if names else work.solve()  # loads or compiles kernels
         alone: list[float] = []
-        beyond: list[list[float]] = [[] for _ in asked]
+        shares: list[list[float]] = [[] for _ in asked]
         found: list[float] = []
         for _ in range(runs):
-            alone.append(cpu(work.solve)[0])
             found.clear()
-            for names, times in zip(asked, beyond, strict=True):
+            for names, own_shares in zip(asked, shares, strict=True):
+                alone.append(cpu(work.solve)[0])  # each time anew, as the speed of machines changes within minutes
                 seconds, gradient = cpu(partial(work.gradient, names))
-                times.append((seconds - alone[-1]) / len(names))
+                own_shares.append((seconds / alone[-1] - 1.0) / len(names))
                 found.append(float(gradient["deflection", names[0]]))
         unit, per = ("ms a step", 1e3 / work.steps) if work.steps > 1 else ("ms", 1e3)
         own = Row(case=CASE, code="lamella", what=work.name, time=per * statistics.median(alone), unit=unit)
         yield own.beside(own)
-        for names, times, value in zip(asked, beyond, found, strict=True):
+        for names, own_shares, value in zip(asked, shares, found, strict=True):
             one = len(names) == 1
             yield Row(
                 case=CASE,
                 code="beyond it, a parameter",
                 what=names[0] if one else f"each of {len(names)}",
-                time=per * statistics.median(times),
+                time=own.time * statistics.median(own_shares),
                 unit=unit,
                 value=value if one else NAN,
                 quantity=f"d z_C / d {names[0]}" if one else "",

@@ -19,9 +19,9 @@ TRIADS = {"in the second-level cache": 10_000, "in memory": 8_000_000}
 FLOP = {"plate48: force": 9.8e3, "plate48: force + tangent": 140e3}
 """Multiplications and additions of an element with 4 x 4 points. Force: 2.3e3 for the sums along eta, 460 for each point (240 of
 them for the sums along xi); tangent: counted on a prototype with the same sum factorisation."""
-BYTES = {"plate48: force": 5.0e3, "plate48: force + tangent": 14.4e3}
-"""Read or written for an element: 16 x 27 numbers of its section, 48 coordinates, their indices and factors, 48 forces, and 1176
-entries of the tangent."""
+BYTES = {"plate48: force": 1.5e3, "plate48: force + tangent": 10.9e3}
+"""Read or written for an element: 48 coordinates, their indices and factors, 48 forces, and 1176 entries of the tangent; elements
+that differ read 3.5 kB of constants each."""
 
 
 @njit

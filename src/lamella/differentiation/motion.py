@@ -32,6 +32,10 @@ from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 
+SHARE = 0.1
+"""Of the tolerance of Newton's method, which a derivative may lack. With all of it forces across the stiff direction, which
+nearly vanish, lose up to a hundred times what Newton's own error takes from them."""
+
 Sample = Callable[[Point, Sequence[PointDerivative]], None]
 """Takes each point of a run with its derivatives."""
 
@@ -101,9 +105,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
 
     with the exact matrix A at u', for all parameters by one factorisation, that of the step or of one before
     (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at
-    u' (:func:`~lamella.differentiation.solution.residual_difference`). It is solved to the tolerance of Newton's method, whose
-    error in u' moves a derivative by as much. Steps keep the lengths that they have. What the estimate by constant acceleration
-    was off by in the last steps tells how far it is off now, where motion is damped
+    u' (:func:`~lamella.differentiation.solution.residual_difference`). It is solved to a tenth of the tolerance of Newton's
+    method, whose error in u' moves a derivative by more. Steps keep the lengths that they have. What the estimate by constant
+    acceleration was off by in the last steps tells how far it is off now, where motion is damped
     (:class:`~lamella.differentiation.prediction.Prediction`). Newton's method goes on with a matrix that the derivatives have
     factorised; where they do with its own, the run is the same to the last digit.
     """
@@ -115,7 +119,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
-        self.matrix = ExactMatrix(equations, newton.linear, made.options.newton.tolerance)
+        self.matrix = ExactMatrix(equations, newton.linear, SHARE * made.options.newton.tolerance)
         self._adopt, self._turn_to = newton.adopt, newton.turn_to
         newton.patience = int(self.linear.pattern.symmetric and equations.is_exact)  # undamped, derivatives renew the matrix
         self.derivatives: list[PointDerivative] = []
