@@ -13,7 +13,12 @@ from test_linear import pattern_of, plate_like
 import lamella as lm
 from lamella import threads
 from lamella.assembly.equations import Equations
+from lamella.bench.gradients import Work
+from lamella.differentiation.neighbours import neighbours_of
+from lamella.element.block import Range
+from lamella.element.plate48.layout import seen
 from lamella.errors import ModelError
+from lamella.lane import WIDTH, aligned
 from lamella.result import Result
 from lamella.solve import schedule
 from lamella.solve.layout import layout_of
@@ -154,6 +159,38 @@ def test_row_ranges_cover_a_triangle_once(rows: int, columns: int) -> None:
     threads.use(3)
     ranges = sorted(row_ranges(rows, columns, 96))
     assert [row for ends in ranges for row in range(*ends)] == (list(range(rows)) if columns else [])
+
+
+@pytest.mark.usefixtures("always_cut")
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_threads_change_no_bit_of_what_forces_change_by(damping: float) -> None:
+    """A stiffness goes through the block's own kernel with other tables, a length through one of its own."""
+    work = Work("plate", 3, (7, 5), damping)
+    base = Equations(work.plate().compile())
+    point = base.start()
+    point.u += 1e-3 * base.magnitude * np.sin(np.arange(base.n_u))
+    point.ud = base.magnitude * np.cos(np.arange(base.n_u))
+    for name in ("E1", "length"):
+        value = work.values[name]
+        beside = neighbours_of(name, base, value, value, lambda x, name=name: work.plate(**{name: x}))
+        found = []
+        for count in (1, 2, 3):
+            threads.use(count)
+            found.append(beside.residual(point, point.ud, point.udd)[0])
+        assert np.abs(found[0]).max() > 0.0
+        for other in found[1:]:
+            np.testing.assert_array_equal(other, found[0])
+
+
+def test_tables_that_are_gone_leave_nothing_to_others() -> None:
+    """What a range keeps of tables is theirs alone, also where others come to stand at the place of some that are gone."""
+    blocks = Range(0, 1, 2)
+    for number in range(50):
+        table = aligned(2 * 48 * WIDTH)
+        table[:] = number
+        arguments = (np.zeros(2 * 48 * WIDTH, np.int64), table, table, table, 4, None)
+        assert seen(arguments, blocks)[1][0] == number
+        del table, arguments
 
 
 def test_small_models_are_left_to_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,7 +30,7 @@ class Range:
     def __init__(self, first: int, end: int, n_block: int) -> None:
         self.first, self.end, self.n_block, self.is_all = first, end, n_block, end - first == n_block
         self.known: dict[int, Any] = {}
-        """What kernels see of tables that last as long as this, by their identity."""
+        """Tables with what kernels see of them, by the tables' identity."""
 
     def of(self, array: NDArray[Number]) -> NDArray[Number]:
         """The part of a flat array, which has equally many entries for each block."""

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from lamella.element.block import Range
-from lamella.element.plate48.layout import KernelArguments, Plate48Block, seen
+from lamella.element.plate48.layout import KernelArguments, Plate48Block, sections_of, seen
 from lamella.element.plate48.reference_change import reference_change, work_size
 from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
 from lamella.lane import WIDTH, aligned
@@ -80,8 +80,7 @@ class ReferenceChange(Force):
         self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, q: Floats, v: Floats, f: Floats
     ) -> None:
         def call(blocks: Range) -> None:
-            own = change if len(change) == arguments[4] ** 2 * N_SECTION * WIDTH else blocks.of(change)
-            tables = blocks.of(scale), blocks.of(share), own
+            tables = blocks.of(scale), blocks.of(share), sections_of(change, arguments[4], blocks)
             reference_change(q, v, *self._how, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
 
         self._over_blocks(POINT * arguments[4] ** 2, call)

@@ -26,9 +26,14 @@ def seen(arguments: KernelArguments, blocks: Range) -> KernelArguments:
         return arguments
     if id(arguments) not in blocks.known:
         index, scale, sections, table, n, cubed = arguments
-        own = sections if len(sections) == n * n * N_SECTION * WIDTH else blocks.of(sections)
-        blocks.known[id(arguments)] = blocks.of(index), blocks.of(scale), own, table, n, cubed
-    return blocks.known[id(arguments)]
+        part = blocks.of(index), blocks.of(scale), sections_of(sections, n, blocks), table, n, cubed
+        blocks.known[id(arguments)] = arguments, part  # which keeps the arguments, so that no others get their identity
+    return blocks.known[id(arguments)][1]
+
+
+def sections_of(sections: Floats, n: int, blocks: Range) -> Floats:
+    """The constants of n x n Gauss points that some blocks of elements read: all there are where these are of one block."""
+    return sections if len(sections) == n * n * N_SECTION * WIDTH else blocks.of(sections)
 
 
 class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportIncompatibleVariableOverride]
