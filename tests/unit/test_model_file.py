@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from lamella.io.analysis import Motion
 from lamella.io.annotation import concrete
 from lamella.io.document import Document
 from lamella.io.model_file import dumps, loads, read_model
-from lamella.io.schema import arguments, declaration_schema, json_schema
+from lamella.io.schema import QUANTITY, arguments, declaration_schema, json_schema
 from lamella.io.sections import SECTIONS
 from lamella.io.static_analysis import NaturalModes, Statics
 from lamella.optimisation.problem import Optimisation
@@ -638,3 +639,11 @@ def test_interval_of_recording_is_read() -> None:
     model = loads(changed("start: still}\n  modes", "start: still, every: 5 ms}\n  modes"))
     assert model.analyses[1].every == 5e-3
     assert "every" in refused(changed("start: still}\n  modes", "start: still, every: 0 s}\n  modes"))
+
+
+@pytest.mark.parametrize(
+    ("text", "right"),
+    [("1.5 mm", True), ("23 1/K", True), ("2.3e-5 1/K", True), ("5%", True), ("2 3", False), ("K", False)],
+)
+def test_the_schema_knows_a_number_with_a_unit(text: str, right: bool) -> None:
+    assert bool(re.match(QUANTITY, text)) == right

@@ -79,6 +79,10 @@ def test_a_list_gives_its_rows_in_the_order_of_the_parameters() -> None:
         ([1, 2], None),
         (True, None),
         ("10 %", (10.0, "%")),
+        ("2.3e-5 1/K", (2.3e-5, "1/K")),
+        ("20 1/(m s)", (20.0, "1/(m s)")),
+        ("2.31/K", None),
+        ("2 3", None),
     ],
 )
 def test_numbers_and_units_are_told_apart(value, number) -> None:

@@ -18,7 +18,7 @@ from lamella.math.table import Table
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 NAME = r"^[^\W\d][\w-]*$"
-QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*[^\s\d].*)?$"
+QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*[^\s\d].*|\s+1\s*/.*)?$"
 
 
 def json_schema() -> dict[str, Any]:

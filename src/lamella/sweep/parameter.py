@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 else:
     Bound = Annotated[float, Field(strict=True)] | str
 
-QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(|[^\W\d_].*|[%°µ].*)")
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:\s*(|[^\W\d_].*|[%°µ].*)|\s+(1\s*/.*))")
+"""A number and its unit, which may be the inverse of one."""
 Scale = Literal["linear", "log"]
 
 
@@ -129,7 +130,7 @@ def quantity_of(value: Any) -> tuple[float, str] | None:
     if not isinstance(value, str):
         return float(value), ""
     found = QUANTITY.fullmatch(value)
-    return (float(found[1]), found[2].strip()) if found else None
+    return (float(found[1]), (found[2] or found[3] or "").strip()) if found else None
 
 
 def with_unit(value: float, unit: str) -> float | str:
