@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -147,19 +147,25 @@ class PlateMesh:
 
     def locate(self, at: tuple[float, float]) -> PointRows:
         """Weights of the coordinate vectors at a point (x, y) [m]; weights at rounding level are dropped."""
-        if at not in self._located:
-            self._located[at] = self._locate(at)
-        return self._located[at]
+        return self.locate_each([at])[0]
 
-    def _locate(self, at: tuple[float, float]) -> PointRows:
-        index, xi, eta = self.find(*at)
-        values, d_xi, d_eta = self.element.shape(np.array([xi]), np.array([eta]))[:3, 0]
-        scale = self.scale[index, ::3]
-        rows = np.stack([values * scale, d_xi * scale / self.lx, d_eta * scale / self.ly])
-        rows[np.abs(rows) < 1e-13 * np.abs(rows).max(axis=1, keepdims=True)] = 0.0
+    def locate_each(self, places: Sequence[tuple[float, float]]) -> list[PointRows]:
+        """The same at several points, in one evaluation of the shape functions."""
+        missing = [at for at in dict.fromkeys(places) if at not in self._located]
+        if missing:
+            self._located.update(zip(missing, self._locate(missing), strict=True))
+        return [self._located[at] for at in places]
+
+    def _locate(self, places: Sequence[tuple[float, float]]) -> list[PointRows]:
+        index, xi, eta = (np.array(each) for each in zip(*(self.find(*at) for at in places), strict=True))
+        scale, vectors = self.scale[index, ::3], self.coords[index, ::3] // 3
+        rows = self.element.shape(xi, eta)[:3] * scale / np.array([1.0, self.lx, self.ly])[:, None, None]
+        rows[np.abs(rows) < 1e-13 * np.abs(rows).max(axis=2, keepdims=True)] = 0.0
         used = np.any(rows != 0.0, axis=0)
-        vectors = self.coords[index, ::3][used] // 3
-        return PointRows(vectors, rows[0, used], rows[1, used], rows[2, used], np.zeros(3))
+        return [
+            PointRows(vectors[k, own], rows[0, k, own], rows[1, k, own], rows[2, k, own], np.zeros(3))
+            for k, own in enumerate(used)
+        ]
 
     def edge_nodes(self, side: str) -> Ints:
         """Numbers of the nodes on an edge, in ascending order of the parameter along it."""

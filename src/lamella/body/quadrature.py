@@ -30,7 +30,7 @@ def edge_quadrature(mesh: PlateMesh, side: str, initial: Floats) -> tuple[list[P
     """
     places, weights = gauss_rule(N_GAUSS)
     points, length = mesh.edge_points(side, places)
-    rows = [mesh.locate(point) for point in points]
+    rows = mesh.locate_each(points)
     along = 0 if mesh.edge_slope(side)[0] == "r_x" else 1
     stretch = np.array([np.linalg.norm(point.tangents[along].at(initial)) for point in rows])
     return rows, stretch.reshape(-1, N_GAUSS) * weights * length

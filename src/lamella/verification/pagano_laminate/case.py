@@ -40,7 +40,7 @@ class SinusoidalForce(Declaration):
         places, weights = gauss_rule(4)
         x, wx = _points(mesh.nx, mesh.lx, places, weights)
         y, wy = _points(mesh.ny, mesh.ly, places, weights)
-        rows = [mesh.locate(point) for point in product(x, y)]
+        rows = mesh.locate_each([*product(x, y)])
         values = self.amplitude * np.outer(wx * np.sin(np.pi * x / self.on.size[0]), wy * np.sin(np.pi * y / self.on.size[1]))
         shares = [value * row.position for value, row in zip(values.reshape(-1), rows, strict=True)]
         vectors = np.concatenate([row.vectors for row in rows])
