@@ -23,8 +23,8 @@ BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "bo
 OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
 
 
-def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6):
-    """A plate that is pushed at its tip."""
+def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6, shaken=0.0):
+    """A plate that is pushed at its tip, and shaken at a corner, to and fro by so much [m]."""
     layup = lm.Laminate(lm.Isotropic(E, 0.3, rho), thickness=thickness)
     how = {"damping": damping} if damping else {}
     system = lm.System()
@@ -32,6 +32,8 @@ def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0
     tip = panel.marker("tip", length, 0.1)
     system.add(lm.Clamp("root", panel.edge("x-")))
     system.add(lm.PointForce("push", tip, (0.0, 0.0, force)))
+    if shaken:
+        system.add(lm.PrescribedMotion("shaker", panel.marker("corner", length, 0.3), "z", lm.Harmonic(shaken, 20.0)))
     return system
 
 
@@ -55,19 +57,24 @@ def moved(base):
     return point, np.sin(3.0 * n) * base.magnitude, np.cos(5.0 * n) * base.magnitude
 
 
-@pytest.mark.parametrize("damping", [0.0, 2e-3])
+@pytest.mark.parametrize(("damping", "shaken"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 1e-3)])
 @pytest.mark.parametrize("name", AT)
-def test_parts_are_as_good_as_the_whole(name, damping):
-    base, beside = neighbours(name, damping=damping)
+def test_parts_are_as_good_as_the_whole(name, damping, shaken):
+    base, beside = neighbours(name, damping=damping, shaken=shaken)
     assert isinstance(beside.residual, PartDifference)
     whole = WholeDifference(beside.sides)
     point, dud, dudd = moved(base)
     scale, still = 1.0 / AT[name], base.start(at_rest=True)
     still.u, still.factor = point.u, 0.7
+    point.t = 0.01
     for at, rates in ((still, (None, None)), (point, (None, None)), (point, (scale * dud, scale * dudd))):
         expected, found = (each(at, *rates)[0] for each in (whole, beside.residual))
         largest = np.abs(base.residual(at)[0]).max() * abs(scale)
         np.testing.assert_allclose(found, expected, atol=ROUNDING * largest)
+
+
+def test_supports_that_follow_the_parameter_ask_for_whole_residuals():
+    assert isinstance(neighbours("shaken", shaken=1e-3)[1].residual, WholeDifference)
 
 
 def test_forces_that_a_parameter_leaves_alone_are_not_evaluated(monkeypatch):

@@ -140,6 +140,10 @@ class Elimination:
         """True when a support moves."""
         return bool(self._motions)
 
+    def moves_like(self, other: Elimination) -> bool:
+        """Whether the supports of another elimination with the same coefficients move in the same way."""
+        return np.array_equal(self.moving, other.moving) and self._motions == other._motions
+
     @property
     def constant(self) -> Floats:
         """The part of c(t) that does not move, shape (n_rows,)."""

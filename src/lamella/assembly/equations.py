@@ -253,7 +253,7 @@ class Equations:
     def same_coordinates(self, other: Equations) -> bool:
         """Whether equal unknowns mean equal coordinates, velocities and accelerations as in other equations."""
         mine, theirs = self.elimination, other.elimination
-        return mine.T is theirs.T and not (mine.moves or theirs.moves) and np.array_equal(self._fixed, other._fixed)
+        return mine.T is theirs.T and mine.moves_like(theirs) and np.array_equal(self._fixed, other._fixed)
 
     def jacobian(self, point: Point) -> sparse.csr_array:
         """Phi_q T, shape (n_lam, n_u)."""

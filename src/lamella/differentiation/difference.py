@@ -89,7 +89,7 @@ class PartDifference:
         if dudd is not None:
             base.inertia_force(dudd, onto=r)
         if self._mass is not None and not point.at_rest:
-            self._mass.add_force(point.udd, r)
+            self._mass.add_force(point, r)
         return r, np.zeros(len(point.lam))
 
 
@@ -100,15 +100,15 @@ class _MassDifference:
         m = differenced(
             [side.equations.model.inertias for side in sides], [side.weight for side in sides], base.model.n_motion // 3
         )
-        self._expand, self._gather, self._in_all = base.expand, base.gather, VectorOperator(m)
-        self._in_independent = in_independent(m, base.elimination.T)
+        self._base, self._in_all = base, VectorOperator(m)
+        self._in_independent = None if base.elimination.moves else in_independent(m, base.elimination.T)
 
-    def add_force(self, udd: Floats, r: Floats) -> None:
-        """Add T^T dM/dp T udd to r."""
+    def add_force(self, point: Point, r: Floats) -> None:
+        """Add T^T dM/dp a to r, with all accelerations a = T udd and those of supports."""
         if self._in_independent:
-            self._in_independent.onto(udd, r)
+            self._in_independent.onto(point.udd, r)
         else:
-            self._gather.onto(self._in_all(self._expand(udd)), r)
+            self._base.gather.onto(self._in_all(self._base.accelerations(point)), r)
 
 
 class _Parts:
