@@ -50,6 +50,14 @@ def test_what_cannot_be_predicted_is_not_guessed(rng):
     for _ in range(3 * MEMORY):
         prediction.learn(estimate, estimate + rng.standard_normal(N) * MAGNITUDE)
         assert prediction.guess(estimate) is None
+        assert prediction.unsteady
+
+
+def test_what_is_not_known_yet_or_near_its_estimate_is_not_called_unsteady(rng):
+    estimate, prediction = rng.standard_normal(N) * MAGNITUDE, Prediction(MAGNITUDE)
+    assert not prediction.unsteady
+    prediction.learn(estimate, 1.01 * estimate)
+    assert not prediction.unsteady
 
 
 def test_what_does_not_change_or_vanishes_is_predicted_too(rng):

@@ -58,7 +58,7 @@ class ExactMatrix:
     """
 
     def __init__(self, equations: Equations, linear: LinearSolver | None = None, enough: float = ENOUGH) -> None:
-        self.equations, self._enough = equations, max(enough, LEAST)
+        self.equations, self.enough = equations, enough
         self.linear = linear or linear_solver(equations.matrix.pattern)
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
@@ -66,7 +66,7 @@ class ExactMatrix:
         self._renewal, self._spent = Renewal(_products_for(self.linear)), 0
         self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
         self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
-        self._outlasts = equations.multiplies and equations.symmetric and not equations.n_lam
+        self._outlasts = equations.multiplies and not equations.n_lam
 
     def factorise(self, point: Point, weights: Weights) -> None:
         """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints at a point.
@@ -132,18 +132,18 @@ class ExactMatrix:
 
     def _improved(self, r: Floats, s: Floats, z: Floats | None, left: Floats) -> tuple[Floats, Floats]:
         """The solution from its start z, or from zero, and what is left there."""
-        known, learnt = self._residuals, 0
+        known, learnt, enough = self._residuals, 0, max(self.enough, LEAST)
         lacking = known.begin(z, left)
-        while not lacking <= self._enough and learnt < MOST:
+        while not lacking <= enough and learnt < MOST:
             lacking = known.improve(self._lacking(*self._nothing, known.left))
             learnt += 1
-        if lacking <= self._enough:
+        if lacking <= enough:
             z = known.solution()
             return z[: len(r)], z[len(r) :]
         if self.renewed is None:
             self.factorise(*self._at)
         else:
-            self._unsymmetric = ExactMatrix(exact(self.equations), enough=self._enough)
+            self._unsymmetric = ExactMatrix(exact(self.equations), enough=self.enough)
             self._unsymmetric.factorise(*self._at)
         return self.solve(r, s, None if z is None else z[: len(r)])
 

@@ -33,8 +33,9 @@ from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 
 SHARE = 0.1
-"""Of the tolerance of Newton's method, which a derivative may lack. With all of it forces across the stiff direction, which
-nearly vanish, lose up to a hundred times what Newton's own error takes from them."""
+"""Of the tolerance of Newton's method, which the derivative of a damped motion may lack. With all of it forces across the stiff
+direction, which nearly vanish, lose up to a hundred times what Newton's own error takes from them; without damping, where the
+derivative may lack all of it, that error takes as much (docs/decisions/0022-gradients.md)."""
 
 Sample = Callable[[Point, Sequence[PointDerivative]], None]
 """Takes each point of a run with its derivatives."""
@@ -119,7 +120,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
-        self.matrix = ExactMatrix(equations, newton.linear, SHARE * made.options.newton.tolerance)
+        self.matrix = ExactMatrix(equations, newton.linear)
+        self._tolerance = made.options.newton.tolerance
         self._adopt, self._turn_to = newton.adopt, newton.turn_to
         newton.patience = int(self.linear.pattern.symmetric and equations.is_exact)  # undamped, derivatives renew the matrix
         self.derivatives: list[PointDerivative] = []
@@ -169,6 +171,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             weights.alpha_v,
             weights.alpha_a,
         )
+        unsteady = all(prediction.unsteady for prediction in self._predictions)
+        self.matrix.enough = self._tolerance if unsteady else SHARE * self._tolerance
         changes, rates = [], []
         for each, old, a, rule, prediction in zip(
             self.neighbours, self.derivatives, self._algorithmic, self._rules, self._predictions, strict=True

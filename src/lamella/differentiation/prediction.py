@@ -46,6 +46,11 @@ class Prediction:
         """What follows does not go on from the steps before."""
         self._known, self._errors = 0, (np.inf, np.inf)
 
+    @property
+    def unsteady(self) -> bool:
+        """Whether the last step moved x in a way of its own, as where nothing is damped: then the next will too."""
+        return self._known > 0 and self._errors[1] > FAR
+
     def guess(self, estimate: Floats) -> Floats | None:
         """What x may be near to, shape (n,); None where nothing near enough is known."""
         of_prediction, of_estimate = self._errors
