@@ -233,6 +233,23 @@ def test_few_matrices_serve_a_run_with_derivatives(monkeypatch: pytest.MonkeyPat
     assert along.statistics.newton_iterations <= alone.statistics.newton_iterations
 
 
+def test_few_matrices_serve_a_heated_plate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Although its matrix is unsymmetric, and what temperatures add to it is listed entry by entry."""
+    renewed, factorise = [], ExactMatrix.factorise
+
+    def counted(self: ExactMatrix, *where: Any) -> None:
+        renewed.append(where)
+        factorise(self, *where)
+
+    monkeypatch.setattr(ExactMatrix, "factorise", counted)
+    equations = Equations(heated().compile())
+    assert equations.multiplies
+    assert not equations.symmetric
+    k = neighbours_of("k", equations, 5.0, 5.0, lambda k: heated(k=k))
+    run = lm.simulate(equations, 1.0, DifferentiatedAlpha(lm.GeneralizedAlpha(dt=1e-2), [k], None, lambda *_: None))
+    assert len(renewed) <= 0.2 * run.statistics.steps
+
+
 @pytest.mark.parametrize("thickness", [1e-3, 2e-3, 5e-3])
 def test_matrices_of_derivatives_pay(monkeypatch: pytest.MonkeyPatch, thickness: float) -> None:
     """Counted in products, derivatives cost no more than with a matrix in each step, or with none but the first.
@@ -415,8 +432,14 @@ def test_product_is_that_with_the_exact_matrix() -> None:
         )  # sums in another order
 
 
+def no_lists(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no tangent be multiplied entry by entry, so that no block takes another form."""
+    monkeypatch.setattr(product, "LISTED", 0)
+    monkeypatch.setattr(product, "FOR_EACH", 0)
+
+
 def test_skew_part_is_what_the_symmetric_part_leaves_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(product, "LISTED", 0)  # no block takes another form
+    no_lists(monkeypatch)
     run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
     weights = Weights(1.0, 1e3, 1e6)
     near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
@@ -429,11 +452,12 @@ def test_skew_part_is_what_the_symmetric_part_leaves_out(monkeypatch: pytest.Mon
     np.testing.assert_allclose(part + left_out, whole, atol=1e-12 * np.abs(whole).max())  # sums in another order
 
 
-@pytest.mark.parametrize("listed", [0, product.LISTED])
+@pytest.mark.parametrize("listed", [False, True])
 @pytest.mark.parametrize(("moving", "most"), [(False, 24), (True, 24), (True, 2)])
-def test_matrix_of_dampers_is_solved_exactly(moving: bool, most: int, listed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_matrix_of_dampers_is_solved_exactly(moving: bool, most: int, listed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exact_matrix, "MOST", most)  # two products are not enough, so that it is factorised after all
-    monkeypatch.setattr(product, "LISTED", listed)  # by the skew part, or by products of blocks
+    if not listed:
+        no_lists(monkeypatch)  # by the skew part instead of products of blocks
     run = lm.simulate(mechanism(), 0.03, lm.GeneralizedAlpha(dt=2e-3))
     near, exact = (Equations(run.model, symmetric=symmetric) for symmetric in (True, False))
     point = near.point_of(run.final, run.final.t)
@@ -450,11 +474,13 @@ def test_matrix_of_dampers_is_solved_exactly(moving: bool, most: int, listed: in
     np.testing.assert_allclose(found[0][: near.n_u], found[1][: near.n_u], atol=1e-9 * size)  # rounding times the condition
 
 
-@pytest.mark.parametrize("damping", [0.0, 1e-3])
-def test_factorisation_of_an_earlier_point_serves_a_later_one(damping: float, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("made", [functools.partial(damped, damping=0.0), damped, heated])
+def test_factorisation_of_an_earlier_point_serves_a_later_one(
+    made: Callable[[], lm.System], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(exact_matrix, "_products_for", lambda _: 0.0)
     method, weights = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8), Weights(1.0, 2e3, 2e6)
-    model = damped(damping=damping).compile()
+    model = made().compile()
     near, exact = Equations(model), Equations(model, symmetric=False)
     early, late = (near.point_of(lm.simulate(model, t, method).final, t) for t in (0.03, 0.034))
     solver = turned_solver(linear_solver(near.matrix.pattern), Vectors(near))

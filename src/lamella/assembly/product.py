@@ -21,20 +21,18 @@ from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, MatrixFreeB
 
 Unsigned = NDArray[np.uint32]
 
-
-LISTED = 4096
-"""Entries of tangents that are multiplied one by one, at a nanosecond each, as long as no other product is worth its name."""
+LISTED, FOR_EACH = 4096, 32
+"""Entries of tangents that are multiplied one by one, at a nanosecond each: so many in any case, or for each coordinate of the
+elements that multiply, of which each takes 16 ns. A heated plate has 17, and its matrix takes as long as ten such products."""
 
 
 def matrix_free(forces: Sequence[ForceBlock], loads: Sequence[ForceBlock]) -> list[ForceBlock] | None:
-    """The force blocks in forms that multiply their tangents; None where the others, and loads, have more than few entries."""
-    found, listed = [block.symmetric_form or block for block in forces], 0
-    for block in (*found, *loads):
-        if not isinstance(block, MatrixFreeBlock):
-            listed += len(block.k_rows)
-            if listed > LISTED:
-                return None
-    return found
+    """The force blocks in forms that multiply their tangents; None where others, and loads, have too many entries beside them."""
+    found = [block.symmetric_form or block for block in forces]
+    blocks = [*found, *loads]
+    listed = sum(len(block.k_rows) for block in blocks if not isinstance(block, MatrixFreeBlock))
+    multiplied = sum(len(block.f_coords) for block in blocks if isinstance(block, MatrixFreeBlock))
+    return found if listed <= max(LISTED, FOR_EACH * multiplied) else None
 
 
 class TangentProduct:
