@@ -13,8 +13,11 @@ from __future__ import annotations
 from typing import Any
 
 from lamella._jit import inlined, inner
-from lamella.lane import load, spread, store
+from lamella.lane import WIDTH, load, spread, store
 from lamella.roles import Floats
+
+FEW_REGISTERS = WIDTH < 8
+"""Sixteen registers of 256 bits, instead of 32 of 512, hold half as many sums at once."""
 
 
 @inlined
@@ -42,35 +45,63 @@ def _store3(work: Floats, at: int, t: Any) -> None:
     store(work, at + 2, t[2])
 
 
+@inlined
+def _store9(work: Floats, at: int, t: Any) -> None:
+    _store3(work, at, t[0])
+    _store3(work, at + 3, t[1])
+    _store3(work, at + 6, t[2])
+
+
+@inlined
+def _line_sum(work: Floats, z: int, table: Floats, n: int, b: int) -> Any:
+    """The sum over the points of a line, with phi_b."""
+    zero = spread(0.0)
+    t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+    for j in range(n):
+        k = 12 * j + b
+        z0, z1, z2 = _load5(work, z + j * 15), _load5(work, z + j * 15 + 5), _load5(work, z + j * 15 + 10)
+        f0, f1, f2 = table[k], table[k + 4], table[k + 8]
+        t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
+    return t0, t1, t2
+
+
+@inlined
+def _line_sums(work: Floats, z: int, table: Floats, n: int, b: int) -> Any:
+    """The same with phi_b and phi_(b+1), for one reading of the points."""
+    zero = spread(0.0)
+    t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+    u0, u1, u2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+    for j in range(n):
+        k = 12 * j + b
+        z0, z1, z2 = _load5(work, z + j * 15), _load5(work, z + j * 15 + 5), _load5(work, z + j * 15 + 10)
+        f0, f1, f2 = table[k], table[k + 4], table[k + 8]
+        t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
+        f0, f1, f2 = table[k + 1], table[k + 5], table[k + 9]
+        u0, u1, u2 = _t_row(u0, z0, f0, f1, f2), _t_row(u1, z1, f0, f1, f2), _t_row(u2, z2, f0, f1, f2)
+    return (t0, t1, t2), (u0, u1, u2)
+
+
 @inner
 def contract_eta(work: Floats, hessian: int, z: int, target: int, table: Floats, n: int, i: int, symmetric: bool) -> None:
     """Contract the Hessians on a line xi = const with phi_b(eta) phi_b'(eta).
 
     work[target:] gets (b, b', i, derivative of the row, derivative of the column); b' >= b suffices when symmetric.
     """
-    zero = spread(0.0)
     for b in range(4):
         for j in range(n):
             f0, f1, f2 = table[12 * j + b], table[12 * j + 4 + b], table[12 * j + 8 + b]
             for v in range(5):
                 _z_row(work, hessian + j * 25, v, f0, f1, f2, work, z + j * 15)
-        for pair in range(b // 2 if symmetric else 0, 2):
-            t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
-            u0, u1, u2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
-            for j in range(n):
-                k = 12 * j + 2 * pair
-                z0, z1, z2 = _load5(work, z + j * 15), _load5(work, z + j * 15 + 5), _load5(work, z + j * 15 + 10)
-                f0, f1, f2 = table[k], table[k + 4], table[k + 8]
-                t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
-                f0, f1, f2 = table[k + 1], table[k + 5], table[k + 9]
-                u0, u1, u2 = _t_row(u0, z0, f0, f1, f2), _t_row(u1, z1, f0, f1, f2), _t_row(u2, z2, f0, f1, f2)
-            at = target + ((4 * b + 2 * pair) * n + i) * 9
-            _store3(work, at, t0)
-            _store3(work, at + 3, t1)
-            _store3(work, at + 6, t2)
-            _store3(work, at + n * 9, u0)
-            _store3(work, at + n * 9 + 3, u1)
-            _store3(work, at + n * 9 + 6, u2)
+        if FEW_REGISTERS:
+            for b2 in range(b if symmetric else 0, 4):
+                t = _line_sum(work, z, table, n, b2)
+                _store9(work, target + ((4 * b + b2) * n + i) * 9, t)
+        else:
+            for pair in range(b // 2 if symmetric else 0, 2):
+                t, u = _line_sums(work, z, table, n, 2 * pair)
+                at = target + ((4 * b + 2 * pair) * n + i) * 9
+                _store9(work, at, t)
+                _store9(work, at + n * 9, u)
 
 
 @inlined
@@ -104,24 +135,48 @@ def _store_row(k: Floats, at: int, row: Any, first: int) -> int:
     return at + 4 - first
 
 
+@inlined
+def _two_rows(work: Floats, line: int, table: Floats, n: int, a: int) -> Any:
+    """The rows a and a + 1 of entries."""
+    zero = spread(0.0)
+    k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
+    for i in range(n):
+        t = _load9(work, line + i * 9)
+        k0, k1 = _k_row(k0, t, table, 12 * i, a), _k_row(k1, t, table, 12 * i, a + 1)
+    return k0, k1
+
+
+@inlined
+def _four_rows(work: Floats, line: int, table: Floats, n: int) -> Any:
+    """All rows of entries, for one reading of the points."""
+    zero = spread(0.0)
+    k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
+    k2, k3 = (zero, zero, zero, zero), (zero, zero, zero, zero)
+    for i in range(n):
+        t = _load9(work, line + i * 9)
+        k0, k1 = _k_row(k0, t, table, 12 * i, 0), _k_row(k1, t, table, 12 * i, 1)
+        k2, k3 = _k_row(k2, t, table, 12 * i, 2), _k_row(k3, t, table, 12 * i, 3)
+    return k0, k1, k2, k3
+
+
 @inner
 def contract_xi(work: Floats, source: int, table: Floats, n: int, k: Floats, at: int, symmetric: bool) -> int:
     """Contract the result of :func:`contract_eta` with phi_a(xi) phi_a'(xi) and store entries (b, b', a, a') from k[at:].
 
     When symmetric, b' >= b, and a' >= a where b' = b. Returns the position after the last entry.
     """
-    zero = spread(0.0)
     for b in range(4):
         for b2 in range(b if symmetric else 0, 4):
-            k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
-            k2, k3 = (zero, zero, zero, zero), (zero, zero, zero, zero)
-            for i in range(n):
-                t = _load9(work, source + ((4 * b + b2) * n + i) * 9)
-                k0, k1 = _k_row(k0, t, table, 12 * i, 0), _k_row(k1, t, table, 12 * i, 1)
-                k2, k3 = _k_row(k2, t, table, 12 * i, 2), _k_row(k3, t, table, 12 * i, 3)
-            upper = symmetric and b == b2
-            at = _store_row(k, at, k0, 0)
-            at = _store_row(k, at, k1, 1 if upper else 0)
+            line, upper = source + (4 * b + b2) * n * 9, symmetric and b == b2
+            if FEW_REGISTERS:
+                k0, k1 = _two_rows(work, line, table, n, 0)
+                at = _store_row(k, at, k0, 0)
+                at = _store_row(k, at, k1, 1 if upper else 0)
+                k2, k3 = _two_rows(work, line, table, n, 2)
+            else:
+                k0, k1, k2, k3 = _four_rows(work, line, table, n)
+                at = _store_row(k, at, k0, 0)
+                at = _store_row(k, at, k1, 1 if upper else 0)
             at = _store_row(k, at, k2, 2 if upper else 0)
             at = _store_row(k, at, k3, 3 if upper else 0)
     return at
