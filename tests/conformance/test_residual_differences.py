@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
@@ -23,9 +24,10 @@ BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "bo
 OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
 
 
-def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6, shaken=0.0):
-    """A plate that is pushed at its tip, and shaken at a corner, to and fro by so much [m]."""
-    layup = lm.Laminate(lm.Isotropic(E, 0.3, rho), thickness=thickness)
+def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6, shaken=0.0, alpha=None):
+    """A plate that is pushed at its tip, shaken at a corner, to and fro by so much [m], and warmed by the sun if it expands."""
+    heat = {} if alpha is None else {"alpha": alpha, "k": 5.0, "c": 900.0}
+    layup = lm.Laminate(lm.Isotropic(E, 0.3, rho, **heat), thickness=thickness)
     how = {"damping": damping} if damping else {}
     system = lm.System()
     panel = system.add(lm.Plate("panel", (length, 0.3), (2, 2), layup, **how))
@@ -34,6 +36,9 @@ def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0
     system.add(lm.PointForce("push", tip, (0.0, 0.0, force)))
     if shaken:
         system.add(lm.PrescribedMotion("shaker", panel.marker("corner", length, 0.3), "z", lm.Harmonic(shaken, 20.0)))
+    if heat:
+        system.add(lm.TemperatureField("heat", panel))
+        system.add(lm.SolarFlux("sun", panel, direction=(0.6, 0.0, -0.8), absorptivity=0.8, constant=1361.0))
     return system
 
 
@@ -45,7 +50,7 @@ AT = {"E": 7e10, "rho": 2700.0, "thickness": 4e-3, "force": -10.0, "length": 0.6
 def neighbours(name, **more):
     made = partial(plate, **more)
     base = Equations(made().compile())
-    value = AT.get(name, more.get(name))
+    value = {**AT, **more}[name]
     return base, neighbours_of(name, base, value, abs(value), lambda x: made(**{name: x}))
 
 
@@ -57,14 +62,16 @@ def moved(base):
     return point, np.sin(3.0 * n) * base.magnitude, np.cos(5.0 * n) * base.magnitude
 
 
-@pytest.mark.parametrize(("damping", "shaken"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 1e-3)])
-@pytest.mark.parametrize("name", AT)
-def test_parts_are_as_good_as_the_whole(name, damping, shaken):
-    base, beside = neighbours(name, damping=damping, shaken=shaken)
+MORE = {"plain": {}, "damped": {"damping": 2e-3}, "shaken": {"damping": 2e-3, "shaken": 1e-3}, "warm": {"alpha": 2.3e-5}}
+
+
+@pytest.mark.parametrize(("name", "how"), [*product(AT, MORE), ("alpha", "warm")])
+def test_parts_are_as_good_as_the_whole(name, how):
+    base, beside = neighbours(name, **MORE[how])
     assert isinstance(beside.residual, PartDifference)
     whole = WholeDifference(beside.sides)
     point, dud, dudd = moved(base)
-    scale, still = 1.0 / AT[name], base.start(at_rest=True)
+    scale, still = 1.0 / {**AT, **MORE[how]}[name], base.start(at_rest=True)
     still.u, still.factor = point.u, 0.7
     point.t = 0.01
     for at, rates in ((still, (None, None)), (point, (None, None)), (point, (scale * dud, scale * dudd))):
@@ -116,6 +123,10 @@ def test_blocks_of_other_meshes_or_times_have_no_change_of_their_own():
     assert slow.force_change([slow], [1.0]) is not None
     assert slow.force_change([fast], [1.0]) is None
     assert block.force_change([slow], [1.0]) is None
+    warm, warmer = (plate(alpha=alpha).compile().forces[0] for alpha in (2e-5, 3e-5))
+    assert isinstance(warm.force_change([warm, warmer], [-1.0, 1.0]), ReferenceChange)
+    assert block.force_change([warm], [1.0]) is None
+    assert warm.force_change([block], [1.0]) is None
     other = ShellBlock("plate", *patch(PLATE48, (0.0, 0.3, 0.6), (0.0, 0.1, 0.2, 0.3)).tables, np.eye(6))
     assert block.force_change([other], [1.0]) is None
 

@@ -82,7 +82,9 @@ class TangentProduct:
             for block, entries in parts:
                 alpha_v = weights.rate if block.first_order else weights.alpha_v
                 block.force_tangent(point.t, q, v, weights.alpha_q, alpha_v, q, np.empty(len(block.f_coords)), entries.k)
-                entries.k *= factor * entries.scale
+                entries.k *= entries.scale
+                if factor != 1.0:
+                    entries.k *= factor
                 _clear_unused(block, entries.k)
         if self._curvatures:
             lam = self._constraints.full(point.lam)

@@ -16,6 +16,8 @@ from lamella.io.analysis import Analysis
 
 CASE = "gradients"
 AT = {"force": -10.0, "E1": 181e9, "nu12": 0.28, "density": 1560.0, "thickness": 4e-3, "length": 1.5}
+HEAT = {"alpha1": -0.3e-6, "alpha2": 28e-6, "k1": 5.0, "k2": 0.7, "c": 900.0}
+"""What the ply needs to be heated."""
 ALONE = ("force", "E1", "thickness", "length")
 """Parameters that are asked for one by one; then all of :data:`AT` are asked for together."""
 
@@ -29,6 +31,7 @@ class Work:
         steps: of it, which times are divided by.
         mesh: elements in both directions.
         damping: retardation time [s].
+        lit: whether the sun heats it.
         at: values of the parameters that differ from :data:`AT`.
     """
 
@@ -36,6 +39,7 @@ class Work:
     steps: int
     mesh: tuple[int, int] = (6, 6)
     damping: float = 0.0
+    lit: bool = False
     at: tuple[tuple[str, float], ...] = ()
 
     @property
@@ -53,13 +57,16 @@ class Work:
     def plate(self, **values: float) -> lm.System:
         """A cantilever of 2 m width under a force at the middle of its free edge."""
         at = {**self.values, **values}
-        ply = lm.Lamina(E1=at["E1"], E2=10.3e9, G12=7.7e9, nu12=at["nu12"], rho=at["density"])
+        ply = lm.Lamina(E1=at["E1"], E2=10.3e9, G12=7.7e9, nu12=at["nu12"], rho=at["density"], **(HEAT if self.lit else {}))
         layup = lm.Laminate(ply, angles=(0.0, 90.0, 0.0), thickness=at["thickness"])
         system = lm.System()
         plate = system.add(lm.Plate("plate", (at["length"], 2.0), self.mesh, layup, damping=self.damping))
         tip = plate.marker("C", at["length"], 1.0)
         system.add(lm.Clamp("root", plate.edge("x-")))
         system.add(lm.PointForce("load", tip, (0.0, 0.0, at["force"])))
+        if self.lit:
+            system.add(lm.TemperatureField("heat", plate))
+            system.add(lm.SolarFlux("sun", plate, direction=(0.5, 0.0, -0.9), absorptivity=0.8, constant=1361.0))
         return system
 
     def solve(self) -> object:
@@ -87,11 +94,12 @@ class Work:
 
 WORK = (
     Work("statics, 24 x 16 elements", 1, (24, 16)),
-    Work("motion", 300),
-    Work("motion, 1.5 mm", 300, at=(("thickness", 1.5e-3),)),
-    Work("motion, damping 0.1 ms", 300, damping=1e-4),
-    Work("motion, damping 1 ms", 300, damping=1e-3),
-    Work("motion, 24 x 16 elements, damping 1 ms", 100, (24, 16), 1e-3),
+    Work("motion", 1000),
+    Work("motion, 1.5 mm", 1000, at=(("thickness", 1.5e-3),)),
+    Work("motion, damping 0.1 ms", 1000, damping=1e-4),
+    Work("motion, damping 1 ms", 1000, damping=1e-3),
+    Work("motion in the sun, damping 1 ms", 1000, damping=1e-3, lit=True),
+    Work("motion, 24 x 16 elements, damping 1 ms", 300, (24, 16), 1e-3),
 )
 
 

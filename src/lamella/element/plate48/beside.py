@@ -36,7 +36,7 @@ def force_change(block: Block, beside: Sequence[Block], weights: Sequence[float]
     Returns:
         None where the blocks have other elements or other Gauss points.
     """
-    if not all(_comparable(block, other) for other in beside):
+    if not all(comparable(block, other) for other in beside):
         return None
     for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
         if not all(np.array_equal(own[1], other[1]) and _same_reference(own, other) for other in others):
@@ -44,7 +44,7 @@ def force_change(block: Block, beside: Sequence[Block], weights: Sequence[float]
     found = copy(block)
     found.arguments = []
     for (index, scale, sections, *others), *its in zip(*(each.arguments for each in (block, *beside)), strict=True):
-        change = _with_stiffness(sections, _sum(weights, [other[2] for other in its]))
+        change = _with_stiffness(sections, weighed(weights, [other[2] for other in its]))
         found.arguments.append((index, scale, change, *others))
     return found
 
@@ -63,8 +63,10 @@ class ReferenceChange(Force):
         self._over_blocks, self._how = block.over_blocks, (time, elastic)
         self._parts: list[tuple[KernelArguments, Floats, Floats, Floats]] = []
         for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
-            scale = _sum(weights, [other[1] for other in others])
-            self._parts.append((own, scale, scale / own[1], _sum(weights, [other[2] for other in others])))
+            scale = weighed(weights, [other[1] for other in others])
+            self._parts.append((own, scale, scale / own[1], weighed(weights, [other[2] for other in others])))
+        self.changes = [change for *_, change in self._parts]
+        """Of the sections, for each part of them."""
         self._work = Workspace(max(work_size(own[4]) for own in block.arguments) * WIDTH)
         self._more = aligned(self.f_coords.size if len(self._parts) > 1 else 0)
 
@@ -86,7 +88,7 @@ class ReferenceChange(Force):
         self._over_blocks(POINT * arguments[4] ** 2, call)
 
 
-def _comparable(block: Plate48Block, other: Plate48Block) -> bool:
+def comparable(block: Plate48Block, other: Plate48Block) -> bool:
     """Whether the elements have the same coordinates, and their sections the same points, apart or together."""
     if type(other) is not type(block) or len(other.arguments) != len(block.arguments):
         return False
@@ -113,7 +115,8 @@ def _with_stiffness(sections: Floats, stiffness: Floats) -> Floats:
     return total
 
 
-def _sum(weights: Sequence[float], tables: Sequence[Floats]) -> Floats:
+def weighed(weights: Sequence[float], tables: Sequence[Floats]) -> Floats:
+    """The weighed sum of tables."""
     total = aligned(tables[0].size)
     for weight, table in zip(weights, tables, strict=True):
         total += weight * table

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 
 import numpy as np
 
 from lamella.element.packing import packed, packed_indices, packed_targets
 from lamella.element.plate48 import heat_kernels as kernels
+from lamella.element.plate48.beside import ReferenceChange, comparable, weighed
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.interpolation import N_SECTION
 from lamella.element.plate48.layout import GaussTables, KernelArguments, Plate48Block, gauss_tables
@@ -17,7 +19,7 @@ from lamella.element.plate48.shape import hermite_table, product_order
 from lamella.element.plate48.strain import Cubed
 from lamella.lane import WIDTH, aligned
 from lamella.math.gauss import gauss_rule
-from lamella.roles import Floats, ForceBlock, Ints, Symmetry
+from lamella.roles import Floats, Force, ForceBlock, Ints, Symmetry
 from lamella.threads import Workspace
 
 NODES = ((0, 0), (1, 0), (0, 1), (1, 1))
@@ -60,31 +62,39 @@ class HeatedShellBlock(ShellBlock):
         local = np.asarray(np.linalg.solve(Section.of(section).by_element, resultants.T), float)
         tables = gauss_tables(self, section, n_gauss)
         self.parts = [HeatedPart(self, part, local, own[2]) for part, own in zip(tables, self.arguments, strict=True)]
-        self._index_T, self._work_T = packed_indices(temperatures), aligned(8 * WIDTH)
+        self.index_T, self.work_T = packed_indices(temperatures), aligned(8 * WIDTH)
 
-    def _heat(self, q: Floats) -> None:
+    def heat(self, q: Floats) -> None:
+        """Count strains from the thermal strains of the temperatures in q."""
         for part in self.parts:
-            part.heat(q, self._index_T, self._work_T)
+            part.heat(q, self.index_T, self.work_T)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Elastic force dW/de."""
-        self._heat(q)
+        self.heat(q)
         super().force(t, q, v, f)
 
     def force_tangent(
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """Elastic force and alpha_q d2W/de2."""
-        self._heat(q)
+        self.heat(q)
         super().force_tangent(t, q, v, alpha_q, alpha_v, q_previous, f, k)
 
     def tangent(self) -> ShellTangent:
         """The tangent d2W/de2."""
-        return _HeatedTangent(self, self.arguments, self._work, self._heat)
+        return _HeatedTangent(self, self.arguments, self._work, self.heat)
+
+    def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
+        """As the role says, with the thermal strains of the models beside."""
+        same = [each for each in beside if type(each) is HeatedShellBlock and np.array_equal(each.index_T, self.index_T)]
+        if len(same) != len(beside) or not all(comparable(self, other) for other in same):
+            return None
+        return _HeatedChange(self, same, weights)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy of s - s_T [J]."""
-        self._heat(q)
+        self.heat(q)
         return super().energy(t, q)
 
 
@@ -106,6 +116,29 @@ class _HeatedTangent(ShellTangent):
         """Evaluate what all products at a point need."""
         self._heat(q)
         super().look(t, q, v, alpha_q, alpha_v)
+
+
+class _HeatedChange(ReferenceChange):
+    """The derivative of a heated shell's force: the references change with the temperatures, and their derivatives too.
+
+    Args:
+        block, beside, weights: as for :func:`lamella.element.plate48.beside.force_change`.
+    """
+
+    def __init__(self, block: HeatedShellBlock, beside: Sequence[HeatedShellBlock], weights: Sequence[float]) -> None:
+        super().__init__(block, beside, weights, 0.0, elastic=True)
+        self._own = block
+        self._change = [
+            part.weighed(others, weights, sections)
+            for part, sections, *others in zip(block.parts, self.changes, *(other.parts for other in beside), strict=True)
+        ]
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write it to the force buffer ``f`` (n_f,)."""
+        self._own.heat(q)
+        for part in self._change:
+            part.heat(q, self._own.index_T, self._own.work_T)
+        super().force(t, q, v, f)
 
 
 class GaussPoints:
@@ -143,6 +176,14 @@ class HeatedPart(GaussPoints):
         self._sections = sections
         self._cold = np.ascontiguousarray(sections.reshape(-1, N_SECTION, WIDTH)[:, 21:]).reshape(-1)
 
+    def weighed(self, others: Sequence[HeatedPart], weights: Sequence[float], sections: Floats) -> HeatedPart:
+        """The part whose tables are sums of those of others, with ``sections`` for its constants."""
+        found = copy(self)
+        found._sections = sections
+        found._cold = weighed(weights, [other._cold for other in others])
+        found.strain = weighed(weights, [other.strain for other in others])
+        return found
+
     def heat(self, q: Floats, index: Ints, work: Floats) -> None:
         """Count strains from the thermal strain of the temperatures at ``index``."""
         kernels.set_reference(q, index, self.corners, self.n, self._cold, self.strain, work, self._sections)
@@ -176,7 +217,7 @@ class ThermalCouplingBlock(CrossBlock):
         super().__init__(name, shell, coords, shell.temperatures)
         self.f_coords, self.f_scale = np.zeros(0, np.int64), np.zeros(0)
         self.k_rows, self.k_cols = self._coords, self._fields
-        self._parts, self._k = shell.parts, aligned(self.k_rows.size)
+        self._parts, self._k = shell.parts, aligned(self.k_rows.size if len(shell.parts) > 1 else 0)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Nothing beyond the shell's own."""
@@ -185,11 +226,16 @@ class ThermalCouplingBlock(CrossBlock):
         self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float, q_previous: Floats, f: Floats, k: Floats
     ) -> None:
         """alpha_q df/dT."""
-        k[:] = 0.0
-        for p in self._parts:
-            kernels.thermal_tangent(q, p.index, p.scale, p.table, p.corners, p.n, p.cubed, p.stress, alpha_q, p.work, self._k)
+        first, *others = self._parts
+        _thermal_tangent(first, q, alpha_q, k)
+        for part in others:
+            _thermal_tangent(part, q, alpha_q, self._k)
             k += self._k
 
     def energy(self, t: float, q: Floats) -> float:
         """That of the shell."""
         return 0.0
+
+
+def _thermal_tangent(p: HeatedPart, q: Floats, alpha_q: float, k: Floats) -> None:
+    kernels.thermal_tangent(q, p.index, p.scale, p.table, p.corners, p.n, p.cubed, p.stress, alpha_q, p.work, k)
