@@ -11,6 +11,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
+from lamella.lane import WIDTH
 from lamella.roles import Floats
 from lamella.solve import front_columns, schedule
 from lamella.solve.linear import linear_solver
@@ -51,7 +52,7 @@ def test_one_reading_serves_several(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(front_columns, "forward", counted)
     n_fronts = len(factor._layout.fronts) - 1
-    for m, readings in ((SEVERAL - 1, 0), (SEVERAL, 1), (8, 1), (11, 2)):
+    for m, readings in ((SEVERAL - 1, 0), (SEVERAL, 1), (WIDTH, 1), (WIDTH + SEVERAL, 2)):
         passes.clear()
         factor.solve(np.ones((pattern.n, m)))
         assert sum(passes) == readings * n_fronts
