@@ -51,8 +51,8 @@ class QuadraticGrid:
 
     def derivatives(self, q: Any) -> dict[tuple[int, int], Any]:
         bx, by = basis(self.x, SIZE[0]), basis(self.y, SIZE[1])
-        nodes = q[self.mine].reshape(3, 3, 3)
-        return {(i, j): np.einsum("ay,bx,abc->yxc", by[j], bx[i], nodes) for i in range(3) for j in range(3 - i)}
+        nodes = q[..., self.mine].reshape(*q.shape[:-1], 3, 3, 3)
+        return {(i, j): np.einsum("ay,bx,...abc->...yxc", by[j], bx[i], nodes) for i in range(3) for j in range(3 - i)}
 
     def positions(self, q: Any) -> Any:
         return self.derivatives(q)[0, 0]

@@ -42,11 +42,11 @@ class Reader:
         return grid, {name: vtk_to_numpy(data.GetArray(name)).copy() for name in names}
 
 
-@pytest.mark.parametrize(("plates", "together"), [(1, 16), (2, 4)])
+@pytest.mark.parametrize(("plates", "together"), [(1, 8192), (2, 700)])
 def test_reader_finds_points_and_fields_of_each_frame(
     tmp_path: Path, plates: int, together: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whether all frames are written at once or the last two by themselves."""
+    """Whether all frames are written at once or by fours, the last by themselves."""
     monkeypatch.setattr(vtk, "TOGETHER", together)
     result = stand_in.result(plates, **stand_in.STRONG)
     reader = Reader(write_vtkhdf(result, tmp_path / "run.vtkhdf", per_element=2))

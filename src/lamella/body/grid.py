@@ -34,30 +34,31 @@ class Grid:
         self._points = recovery.points(self._element, points_xi, points_eta)
 
     def positions(self, q: Floats) -> Floats:
-        """Positions, shape (my, mx, 3), which are linear in q (n_q,): those of rates are velocities."""
-        return self._points.positions(q).reshape(len(self._eta), len(self._xi), 3)
+        """Positions, shape (..., my, mx, 3), which are linear in q (..., n_q): those of rates are velocities."""
+        return self._points.positions(q).reshape(*q.shape[:-1], len(self._eta), len(self._xi), 3)
 
     def sample(self, q: Floats) -> PlateSample:
-        """Positions, normals and strains in the configuration ``q`` (n_q,)."""
+        """Positions, normals and strains in the configuration ``q`` (n_q,), or in a stack of them (..., n_q)."""
         mesh = self._mesh
-        found = self._points.at(q, None if mesh.turns is None else mesh.turns(q))
+        found = self._points.at(q, None if mesh.turns is None else np.apply_along_axis(mesh.turns, -1, q))
         strains = found.strains
         if mesh.section.prestrain is not None:
             strains = strains + np.concatenate([mesh.section.prestrain, np.zeros(3)])
-        shape = (len(self._eta), len(self._xi), -1)
+        shape = (*q.shape[:-1], len(self._eta), len(self._xi))
         heat: tuple[Floats, Floats] | tuple[()] = ()
         if mesh.temperature is not None:
             y, x = np.meshgrid(self._eta * mesh.ly, self._xi * mesh.lx, indexing="ij")
-            T_N, T_M = mesh.temperature.at(q, x.reshape(-1), y.reshape(-1))
-            heat = T_N.reshape(x.shape), T_M.reshape(x.shape)
+            source, places = mesh.temperature, (x.reshape(-1), y.reshape(-1))
+            T_N, T_M = np.moveaxis(np.apply_along_axis(lambda one: np.stack(source.at(one, *places)), -1, q), -2, 0)
+            heat = T_N.reshape(shape), T_M.reshape(shape)
         factors = mesh.thickness_factors
         return PlateSample(
             mesh.laminate,
             self._xi * mesh.lx,
             self._eta * mesh.ly,
-            found.r.reshape(shape),
-            found.n.reshape(shape),
-            strains.reshape(shape),
+            found.r.reshape(*shape, 3),
+            found.n.reshape(*shape, 3),
+            strains.reshape(*shape, 6),
             *heat,
-            thickness_factors=1.0 if factors is None else factors[self._element].reshape(shape[:2]),
+            thickness_factors=1.0 if factors is None else factors[self._element].reshape(shape[-2:]),
         )

@@ -1,8 +1,9 @@
-"""Points of a plate in one configuration, with stress and failure recovered from their strains and temperatures."""
+"""Points of a plate in one configuration or several, with stress and failure recovered from their strains and temperatures."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,17 +15,17 @@ from lamella.roles import Floats
 
 @dataclass(frozen=True)
 class PlateSample:
-    """A structured grid of points on a plate in one configuration.
+    """A structured grid of points on a plate in one configuration, or in a stack of them (...).
 
     Args:
         laminate: the section.
         x: first parameter [m], shape (mx,).
         y: second parameter [m], shape (my,).
-        r: positions [m], shape (my, mx, 3).
-        n: unit normals, shape (my, mx, 3).
-        strains: membrane strains and curvatures (eps, kap) in the local orthonormal frame [-, 1/m], shape (my, mx, 6).
-        T_N: change of temperature at the reference surface [K], shape (my, mx) or one for all points.
-        T_M: gradient of temperature through the thickness [K/m], shape (my, mx) or one for all points.
+        r: positions [m], shape (..., my, mx, 3).
+        n: unit normals, shape (..., my, mx, 3).
+        strains: membrane strains and curvatures (eps, kap) in the local orthonormal frame [-, 1/m], shape (..., my, mx, 6).
+        T_N: change of temperature at the reference surface [K], shape (..., my, mx) or one for all points.
+        T_M: gradient of temperature through the thickness [K/m], shape (..., my, mx) or one for all points.
         thickness_factors: by which all heights of the section are multiplied, shape (my, mx) or one for all points.
     """
 
@@ -38,7 +39,7 @@ class PlateSample:
     T_M: Floats | float = 0.0
     thickness_factors: Floats | float = 1.0
 
-    @property
+    @cached_property
     def _of_section(self) -> tuple[Floats, Floats | float, Floats | float]:
         """Strains, T_N and T_M that give the laminate itself, at its own heights, the strains and temperatures at each point."""
         factor = np.asarray(self.thickness_factors, float)[..., None]
@@ -49,21 +50,21 @@ class PlateSample:
         )
 
     def section_forces(self) -> Floats:
-        """Membrane forces and moments (N, M) [N/m, N], shape (my, mx, 6)."""
+        """Membrane forces and moments (N, M) [N/m, N], shape (..., my, mx, 6)."""
         factor = np.asarray(self.thickness_factors, float)[..., None]
         return section_forces(self.laminate, *self._of_section) * factor ** np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
     def energy_density(self) -> Floats:
-        """Strain energy per reference area W = 1/2 R . C^-1 R [J/m^2], shape (my, mx).
+        """Strain energy per reference area W = 1/2 R . C^-1 R [J/m^2], shape (..., my, mx).
 
         R = (N, M) are the section forces, of strains less thermal strains, and C = [[A, -B], [-B, D]].
         """
         forces = section_forces(self.laminate, *self._of_section)
-        strains = np.linalg.solve(self.laminate.stiffness, forces.reshape(-1, 6).T).T.reshape(forces.shape)
+        strains = forces @ np.linalg.inv(self.laminate.stiffness)
         return 0.5 * np.asarray(self.thickness_factors, float) * np.sum(forces * strains, axis=-1)
 
     def stress(self, ply: int, surface: Surface = "middle", axes: Axes = "element") -> Floats:
-        """Plane stress (11, 22, 12) in a ply [Pa], shape (my, mx, 3).
+        """Plane stress (11, 22, 12) in a ply [Pa], shape (..., my, mx, 3).
 
         Args:
             ply: number of the ply, 0 at the bottom.
@@ -74,10 +75,10 @@ class PlateSample:
         return ply_stress(self.laminate, strains, ply, surface, axes, T_N, T_M)
 
     def von_mises(self, ply: int, surface: Surface = "middle") -> Floats:
-        """Von Mises stress in a ply [Pa], shape (my, mx)."""
+        """Von Mises stress in a ply [Pa], shape (..., my, mx)."""
         return von_mises(self.stress(ply, surface))
 
     def failure_index(self, ply: int, surface: Surface = "middle", criterion: Criterion = "tsai-wu") -> Floats:
-        """Tsai-Wu or Tsai-Hill index of a ply, 1 at failure, shape (my, mx); the ply's material needs its strengths."""
+        """Tsai-Wu or Tsai-Hill index of a ply, 1 at failure, shape (..., my, mx); the ply's material needs its strengths."""
         strains, T_N, T_M = self._of_section
         return failure_index(self.laminate, strains, ply, surface, criterion, T_N, T_M)

@@ -62,8 +62,7 @@ def ply_stress(
     k = _ply_number(laminate, ply)
     z = _height(laminate, k, surface)
     dT = np.asarray(T_N, float) + z * np.asarray(T_M, float)
-    strain = strains[..., :3] - z * strains[..., 3:] - laminate.alpha[k] * dT[..., None]
-    stress = strain @ laminate.Dk[k]
+    stress = strains @ np.vstack([laminate.Dk[k], -z * laminate.Dk[k]]) - dT[..., None] * (laminate.alpha[k] @ laminate.Dk[k])
     return fibre_stress(stress, laminate.layers[k].angle) if axes == "fibre" else stress
 
 

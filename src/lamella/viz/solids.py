@@ -20,12 +20,12 @@ SHARP = np.cos(np.radians(30.0))
 
 @dataclass(frozen=True)
 class SolidShot:
-    """One rigid body at one frame.
+    """One rigid body at one frame, or at several (...).
 
     Args:
         name: the body's name.
-        points: vertices [m], shape (n, 3).
-        reference: the same in the reference configuration [m].
+        points: vertices [m], shape (..., n, 3).
+        reference: the same in the reference configuration [m], shape (n, 3).
         velocity: velocities of the vertices [m/s]; NaN where the frames keep none.
         faces: quadrilaterals of vertex numbers, outward by the right-hand rule; a triangle repeats its last vertex, shape (m, 4).
         edges: sharp edges as pairs of vertex numbers, shape (k, 2).
@@ -40,7 +40,7 @@ class SolidShot:
 
     @property
     def displacement(self) -> Floats:
-        """Displacement from the reference configuration [m], shape (n, 3)."""
+        """Displacement from the reference configuration [m], shape (..., n, 3)."""
         return self.points - self.reference
 
 
@@ -58,14 +58,13 @@ class SolidSampler:
         self._bodies = [(body, *surface(body, result.model.q0)) for body in shaped(result.model)]
         self._edges = [sharp_edges(points, faces) for _, points, faces in self._bodies]
 
-    def at(self, frame: int) -> list[SolidShot]:
-        """The bodies at one frame; positions are linear in q, so a velocity is the difference of two positions."""
+    def at(self, frame: int | slice) -> list[SolidShot]:
+        """The bodies at one frame or several; positions are linear in q, so a velocity is the difference of two positions."""
         q, v = self._result.frame_q[frame], self._velocities[frame]
         shots = []
         for (body, reference, faces), edges in zip(self._bodies, self._edges, strict=True):
-            points = surface(body, q)[0]
-            velocity = surface(body, q + v)[0] - points
-            shots.append(SolidShot(body.name, points, reference, velocity, faces, edges))
+            points, moved = (np.apply_along_axis(lambda one, body=body: surface(body, one)[0], -1, at) for at in (q, q + v))
+            shots.append(SolidShot(body.name, points, reference, moved - points, faces, edges))
         return shots
 
 

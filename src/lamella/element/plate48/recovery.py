@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from lamella.element.base import ElementSpec
 from lamella.element.plate48.section import Curvature
@@ -16,13 +17,13 @@ from lamella.roles import Floats, Ints
 
 @dataclass(frozen=True)
 class ShellPoints:
-    """A shell at n points.
+    """A shell at n points, in one configuration or in a stack of them (...).
 
     Args:
-        r: positions [m], shape (n, 3).
-        n: unit normals, shape (n, 3).
+        r: positions [m], shape (..., n, 3).
+        n: unit normals, shape (..., n, 3).
         strains: (eps_11, eps_22, 2 eps_12 [-], kap_11, kap_22, 2 kap_12 [1/m]) in the local orthonormal frame whose first
-            axis is the material direction, shape (n, 6).
+            axis is the material direction, shape (..., n, 6).
     """
 
     r: Floats
@@ -77,11 +78,13 @@ class ShellRecovery:
 class RecoveryPoints:
     """Points of a shell, with their shape functions and reference surface; made by :meth:`ShellRecovery.points`.
 
+    Positions and their derivatives are one sparse matrix times the coordinates, of as many configurations as there are at once.
+
     Args:
         element: number of the element of each point, shape (n,).
         shape: shape functions and their derivatives, shape (n, 6, n_shape).
-        coords: global coordinates of the elements, shape (n, n_coordinate).
-        scale: factors from global to element coordinates, likewise.
+        coords: global coordinates of the elements, those of a vector one after another, shape (n, n_coordinate).
+        scale: factors from global to element coordinates, one for each vector, likewise.
         rest: element coordinates of the reference, likewise.
         direction: the material direction.
         cubed: the definition of kap.
@@ -90,15 +93,21 @@ class RecoveryPoints:
     def __init__(
         self, element: Ints, shape: Floats, coords: Ints, scale: Floats, rest: Floats, direction: Floats | None, cubed: Cubed
     ) -> None:
-        self._element, self._shape, self._coords, self._scale = element, shape, coords, scale
+        n, _, n_shape = shape.shape
+        vectors, weights = coords[:, ::3] // 3, (shape * scale[:, None, ::3]).transpose(1, 0, 2)
+        table = weights.reshape(-1), np.tile(vectors, (6, 1)).reshape(-1), np.arange(6 * n + 1) * n_shape
+        self._n, self._n_vectors, self._element = n, int(vectors.max()) + 1, element
+        self._derivatives = sparse.csr_array(table, shape=(6 * n, self._n_vectors))
+        self._positions = self._derivatives[:n]
         self._cubed: Cubed = cubed
-        self._rest = self._derivatives(rest)
-        reference = reference_surface("strain recovery", self._rest, direction)
-        self._constants, self._to_local = tuple(reference.constants(cubed).T), reference.strain_transform(cubed)
+        at_rest = (shape @ rest.reshape(n, -1, 3)).transpose(1, 0, 2)
+        reference = reference_surface("strain recovery", at_rest, direction)
+        self._rest = _vectors(at_rest.transpose(0, 2, 1)[..., None])
+        self._constants, self._to_local = tuple(reference.constants(cubed).T[..., None]), reference.strain_transform(cubed)
 
     def positions(self, q: Floats) -> Floats:
-        """Positions [m], shape (n, 3)."""
-        return self._derivatives(q[self._coords] * self._scale, slice(1))[0]
+        """Positions [m], shape (..., n, 3), in the configurations ``q`` (..., n_q)."""
+        return _by_configuration(self._components(self._positions, q)[0], q)
 
     def at(self, q: Floats, turns: Floats | None = None) -> ShellPoints:
         """Position, unit normal and strains.
@@ -107,25 +116,34 @@ class RecoveryPoints:
         ds/dg (G) . (Q^T g - G) with the derivatives g of the position, G those of the reference, and the turn Q of the frame.
 
         Args:
-            q: global coordinates, shape (n_q,).
-            turns: Q of each element or one for all, shape (n_element, 3, 3) or (1, 3, 3); None for exact strains.
+            q: global coordinates, shape (..., n_q).
+            turns: Q of each element or one for all, shape (..., n_element, 3, 3) or (..., 1, 3, 3); None for exact strains.
         """
-        now = self._derivatives(q[self._coords] * self._scale)
+        now = self._components(self._derivatives, q)
         g = _vectors(now)
         n0 = surface_frame(g[0], g[1])[0]
         if turns is None:
-            found = strains(g, surface_frame(g[0], g[1], self._cubed)[0], self._constants)
+            m = n0 if self._cubed is None else surface_frame(g[0], g[1], self._cubed)[0]
+            found = strains(g, m, self._constants)
         else:
-            own = np.einsum("dnc,nce->dne", now, turns[self._element % len(turns)])
-            found = extrapolated_strains(_vectors(own), _vectors(self._rest), self._constants, self._cubed)
-        local = np.einsum("nij,nj->ni", self._to_local, np.stack(found, axis=-1))
-        return ShellPoints(now[0], np.stack(n0, axis=-1), local)
+            frames = turns.reshape(-1, *turns.shape[-3:])[:, self._element % turns.shape[-3]]
+            own = np.einsum("dcns,snce->dens", now, frames)
+            found = extrapolated_strains(_vectors(own), self._rest, self._constants, self._cubed)
+        local = self._to_local @ np.stack(found, axis=1)
+        return ShellPoints(*(_by_configuration(values, q) for values in (now[0], np.stack(n0), local.transpose(1, 0, 2))))
 
-    def _derivatives(self, coordinates: Floats, which: slice = slice(None)) -> Floats:
-        """Position and its derivatives at the points, shape (6, n, 3)."""
-        return (self._shape[:, which] @ coordinates.reshape(len(coordinates), -1, 3)).transpose(1, 0, 2)
+    def _components(self, matrix: sparse.csr_array, q: Floats) -> Floats:
+        """Components of the position, and of its derivatives, at the points in s configurations, shape (6 or 1, 3, n, s)."""
+        stack = q.reshape(-1, q.shape[-1])[:, : 3 * self._n_vectors].T
+        found = matrix @ stack.reshape(self._n_vectors, -1)
+        return np.ascontiguousarray(found.reshape(-1, self._n, 3, stack.shape[1]).swapaxes(1, 2))
+
+
+def _by_configuration(components: Floats, q: Floats) -> Floats:
+    """Components (k, n, s) at the points in the s configurations ``q`` (..., n_q), as an array (..., n, k)."""
+    return np.ascontiguousarray(components.T).reshape(*q.shape[:-1], components.shape[1], len(components))
 
 
 def _vectors(derivatives: Floats) -> tuple[Any, ...]:
-    """r_x, r_y, r_xx, r_yy, r_xy as the expressions for strains take them."""
-    return tuple(tuple(derivatives[d].T) for d in (1, 2, 3, 5, 4))
+    """r_x, r_y, r_xx, r_yy, r_xy (6, 3, ...) as the expressions for strains take them."""
+    return tuple(tuple(derivatives[d]) for d in (1, 2, 3, 5, 4))
