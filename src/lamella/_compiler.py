@@ -15,6 +15,7 @@ import operator
 from functools import cached_property
 from typing import Any, Literal, cast
 
+from llvmlite import binding
 from numba.core import caching, codegen, compiler, compiler_machinery, event, typed_passes
 from numba.core import config as numba_config
 from numba.core.runtime.nrt import rtsys
@@ -24,6 +25,9 @@ _dynfunc: Any = importlib.import_module("numba._dynfunc")  # compiled, so that t
 
 FIRST = {"target": "cpu"}
 """Metadata of signatures that are asked before all others of an operator."""
+
+llvm = cast("Any", binding)  # without annotations
+NOTHING = llvm.parse_assembly("").as_bitcode()
 
 config = cast("Any", numba_config)  # its attributes are made at run time
 infer_global = cast("Any", templates.infer_global)  # its type is too narrow
@@ -85,11 +89,43 @@ class InnerCompiler(compiler.CompilerBase):
         return [passes]
 
 
+class _StoredLibrary(codegen.JITCodeLibrary):
+    """Machine code from the cache; what callers that have yet to be compiled take in of it is read when there is one."""
+
+    bitcode = b""
+
+    def _get_module_for_linking(self) -> Any:
+        if self._shared_module is None:
+            self._shared_module = llvm.parse_bitcode(self.bitcode)
+        return self._shared_module
+
+
+class _Storage(caching.CompileResultCacheImpl):
+    """Numba's storage of a kernel, which parses both forms of its code at every start, and so takes twice as long to read."""
+
+    def reduce(self, cres: Any) -> tuple[Any, ...]:
+        """What is written: Numba's own, and the names that the code defines."""
+        module = cres.library._get_module_for_linking()
+        symbols = (*module.functions, *module.global_variables)
+        return {symbol.name for symbol in symbols if not symbol.is_declaration}, *super().reduce(cres)
+
+    def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
+        """The kernel of what was written."""
+        names, (name, kind, (machine_code, bitcode)), *rest = payload
+        target_context.codegen()._engine._defined_symbols.update(names)
+        kernel = super().rebuild(target_context, ((name, kind, (machine_code, NOTHING)), *rest))
+        library = kernel.library
+        library.__class__, library.bitcode, library._shared_module = _StoredLibrary, bitcode, None
+        return kernel
+
+
 class _Cache(caching.FunctionCache):
     """Numba's cache, without the tables of all functions and types that Numba makes before it reads machine code: 0.15 s.
 
     When something has to be compiled, Numba makes them all the same.
     """
+
+    _impl_class = _Storage
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel, or None when it is not in the cache."""
