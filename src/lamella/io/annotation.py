@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import collections.abc
 import inspect
-import re
 import types
 from dataclasses import MISSING, dataclass
 from functools import cache
@@ -16,6 +15,7 @@ from pydantic.fields import FieldInfo
 from lamella.body.base import Marker
 from lamella.body.plate import Edge
 from lamella.declaration import KINDS, given_fields
+from lamella.io.catalogue import import_subclasses, tag_of_name
 from lamella.roles import Declaration
 
 PLACES = (Marker, Edge)
@@ -64,6 +64,8 @@ class Options:
 
 def concrete(base: type) -> tuple[type, ...]:
     """All declarations among ``base`` and its subclasses, in the order they were defined."""
+    if inspect.isabstract(base):
+        import_subclasses(base)
     found = dict.fromkeys([base] if is_pydantic_dataclass(base) and not inspect.isabstract(base) else [])
     for child in base.__subclasses__():
         found |= dict.fromkeys(concrete(child))
@@ -96,7 +98,7 @@ def tag_of(cls: type) -> tuple[str, str]:
     spec = field_specs(cls).get("kind")
     if spec is not None and get_origin(spec.annotation) is Literal and len(get_args(spec.annotation)) == 1:
         return "kind", get_args(spec.annotation)[0]
-    return "type", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+    return "type", tag_of_name(cls.__name__)
 
 
 def options(annotation: Any) -> Options:

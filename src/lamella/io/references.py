@@ -60,7 +60,8 @@ class Items:
 
     def _read(self, place: Place) -> Any:
         section, name = str(place[0]), str(place[1])
-        data, classes = self.document.data[section][name], SECTIONS[section].classes()
+        data = self.document.data[section][name]
+        classes = SECTIONS[section].classes_of(data.get("type") if isinstance(data, dict) else None)
         if not NAME.fullmatch(name):
             self.document.problem(
                 place, f"the name '{name}' is not accepted; accepted are letters, digits, _ and -, beginning with a letter"
@@ -94,15 +95,16 @@ class Items:
 
     def _referred(self, classes: tuple[type, ...], name: str, place: Place) -> Any:
         """The item of the system called ``name``, which must be of one of ``classes``."""
-        content, names = self.document.data.get("system"), self._names(kinds(classes))
-        if isinstance(content, dict) and name in content:
-            item = self.item("system", name)
-            if item is FAILED or isinstance(item, classes):
-                return item
-            self.document.problem(place, f"'{name}' has the type {tag_of(type(item))[1]}{suggestion(name, names)}")
-            return FAILED
-        what = "body" if classes == (Body,) else " or ".join(kinds(classes))
-        self.document.problem(place, f"there is no {what} '{name}'{suggestion(name, names)}")
+        content = self.document.data.get("system")
+        item = self.item("system", name) if isinstance(content, dict) and name in content else None
+        if item is FAILED or isinstance(item, classes):
+            return item
+        types = kinds(classes)
+        if item is None:
+            problem = f"there is no {'body' if classes == (Body,) else ' or '.join(types)} '{name}'"
+        else:
+            problem = f"'{name}' has the type {tag_of(type(item))[1]}"
+        self.document.problem(place, problem + suggestion(name, self._names(types)))
         return FAILED
 
     def _names(self, types: Sequence[str]) -> list[str]:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, get_args
 
-import lamella
-import lamella.io.linear_analysis
-import lamella.io.static_analysis
 from lamella.declaration import KINDS
 from lamella.io.analysis import Analysis, Output
-from lamella.io.annotation import concrete, in_files
+from lamella.io.annotation import concrete, in_files, tag_of
+from lamella.io.catalogue import public_class
 from lamella.material.isotropic import Isotropic
 from lamella.material.lamina import Lamina
 from lamella.material.laminate import Laminate
@@ -45,8 +41,14 @@ class Section:
 
     def classes(self) -> tuple[type, ...]:
         """The declarations accepted."""
-        import_catalogue()
         return _accepted(self.bases, len(KINDS))
+
+    def classes_of(self, tag: object) -> tuple[type, ...]:
+        """The declaration that ``type: tag`` means, without importing others, or all accepted when it means none."""
+        found = public_class(tag)
+        if found is not None and issubclass(found, self.bases) and in_files(found) and tag_of(found) == ("type", tag):
+            return (found,)
+        return self.classes()
 
 
 @cache
@@ -74,30 +76,3 @@ SECTIONS = {
 
 DEFINITIONS = ("materials", "laminates", "profiles")
 """Sections whose items are referred to by name."""
-
-
-USERS = (
-    "bench",
-    "cli",
-    "differentiation",
-    "examples",
-    "fmu",
-    "io",
-    "optimisation",
-    "study",
-    "sweep",
-    "templates",
-    "verification",
-    "viz",
-)
-"""Folders that use declarations and hold none of a system."""
-
-
-@cache
-def import_catalogue() -> None:
-    """Import every module of the folders that may hold declarations, so that their classes are known."""
-    for folder in pkgutil.iter_modules(lamella.__path__, "lamella."):
-        if folder.ispkg and folder.name.removeprefix("lamella.") not in USERS:
-            package = importlib.import_module(folder.name)
-            for module in pkgutil.walk_packages(package.__path__, f"{folder.name}."):
-                importlib.import_module(module.name)

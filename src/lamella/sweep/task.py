@@ -12,8 +12,8 @@ from typing import Literal
 from lamella import __version__
 from lamella.errors import DeclarationError, LamellaError
 from lamella.io.analysis import Computed
+from lamella.io.catalogue import import_catalogue
 from lamella.io.model_file import loads
-from lamella.io.sections import import_catalogue
 from lamella.result import Result
 from lamella.sweep.outputs import StudyOutput
 
