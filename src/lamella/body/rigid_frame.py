@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from lamella.body.shape import Solid
 from lamella.dofs import DotRow
 from lamella.kinematics import Frame, PointRows, VectorRows, vectors_of
 from lamella.roles import Floats, InertiaBlock, Ints
+
+if TYPE_CHECKING:
+    from lamella.body.shape import Solid
 
 Axes = tuple[VectorRows, VectorRows, VectorRows]
 

@@ -6,7 +6,7 @@ from lamella.body.shell_body import Count, ShellBody
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.material.laminate import Laminate
-from lamella.surface import Surface
+from lamella.surface.base import Surface
 
 
 @declaration

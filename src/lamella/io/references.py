@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from lamella.body.base import Body, Marker
-from lamella.body.ground import Ground
 from lamella.body.plate import Edge
-from lamella.body.rigid import RigidBody
 from lamella.body.shell_body import ShellBody
 from lamella.io.annotation import Options, field_specs, tag_of
 from lamella.io.document import Document, Place, shown
@@ -140,7 +138,7 @@ class Items:
 
 def markers_of(body: Body) -> dict[str, tuple[float, ...]]:
     """Named points of a body."""
-    return dict(body.markers) if isinstance(body, (ShellBody, Ground, RigidBody)) else {}
+    return dict(getattr(body, "markers", {}))
 
 
 def place_of(body: Body, name: str) -> Marker | Edge | None:
@@ -152,4 +150,4 @@ def place_of(body: Body, name: str) -> Marker | Edge | None:
         return body.edge(name)  # type: ignore[arg-type]  # one of the four
     if isinstance(body, ShellBody) and name in CORNERS:
         return body.corner(name)
-    return body.origin if isinstance(body, (Ground, RigidBody)) and name == ORIGIN else None
+    return getattr(body, ORIGIN, None) if name == ORIGIN else None

@@ -11,7 +11,7 @@ from lamella.body.shell_body import EdgeName
 from lamella.math.rotation import matrix_from_vector
 from lamella.result import Result
 from lamella.roles import Floats
-from lamella.surface import Surface
+from lamella.surface.base import Surface
 from lamella.verification import Evidence, References, Shape
 
 slow = True
