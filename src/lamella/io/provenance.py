@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 from importlib import metadata
 
 LIBRARIES = ("numpy", "scipy", "numba")
@@ -15,6 +16,7 @@ def versions() -> dict[str, str]:
     return {"lamella": __version__, "python": platform.python_version()} | {library: _version(library) for library in LIBRARIES}
 
 
+@cache
 def _version(library: str) -> str:
     try:
         return metadata.version(library)

@@ -72,6 +72,7 @@ def run_model(
     if not model_file.analyses:
         name, sample = model_file.name or "the model", "'analysis: {swing: {type: motion, t_end: 1 s}}'"
         raise ModelFileError(f"{name} asks for no analysis; add one, for example {sample}")
+    text = model_file.text()
     with compilation_notice(progress, say):
         model = model_file.system.compile()
         finished: list[Finished] = []
@@ -79,9 +80,9 @@ def run_model(
             place = folder if len(model_file.analyses) == 1 else folder / analysis.name
             place.mkdir(exist_ok=True)
             earlier = {item.analysis.name: item.computed for item in finished}
-            done = _run_analysis(model_file, model, analysis, earlier, place, progress)
+            done = _run_analysis(model_file, text, model, analysis, earlier, place, progress)
             finished.append(done)
-            _write_text(place / MODEL, model_file.text(), done)
+            _write_text(place / MODEL, text, done)
             if isinstance(done.computed, StateSpace):
                 done.files.extend(write_linear_outputs(model_file, done.computed, model, place, pictures))
             else:
@@ -91,7 +92,13 @@ def run_model(
 
 
 def _run_analysis(
-    model_file: ModelFile, model: Model, analysis: Analysis, earlier: Mapping[str, Computed], folder: Path, progress: bool
+    model_file: ModelFile,
+    text: str,
+    model: Model,
+    analysis: Analysis,
+    earlier: Mapping[str, Computed],
+    folder: Path,
+    progress: bool,
 ) -> Finished:
     model = analysis.prepared(model, earlier)
     sinks: list[Sink] = []
@@ -100,14 +107,13 @@ def _run_analysis(
     if analysis.axis:
         signals = analysis.signals(Equations(model))
         files.append(folder / RESULT)
-        text, title = model_file.text(), model_file.title
         writer = ResultWriter(
             files[0],
             signals,
             analysis.axis,
             model.n_q,
             model_text=text,
-            title=title,
+            title=model_file.title,
             target=analysis.target,
             imperfection=model.imperfection,
         )
