@@ -92,7 +92,7 @@ def _write(group: Node, result: Result, per_element: int, fields: list[SurfaceFi
     for first in range(0, n_frames, burst):
         frames = slice(first, first + burst)
         for array, column in zip(arrays, _columns(plates.at(frames), bodies.at(frames), fields), strict=True):
-            array[first * n_points : first * n_points + len(column)] = column
+            array[first * n_points : first * n_points + len(column)] = column.astype("f4")  # HDF5 would take twice as long
     _write_steps(group, result.frame_at, n_points, fields)
 
 
