@@ -66,17 +66,11 @@ def is_hdf5(path: Path) -> bool:
         return file.read(len(_SIGNATURE)) == _SIGNATURE
 
 
-def lay_out(
-    root: Node, signals: Sequence[Signal], axis: str, n_q: int, *, model: tuple[str, str], title: str, target: float
-) -> None:
-    """Write everything of a new file that is known before the first sample; ``model`` is its text, or none and why."""
+def describe(root: Node, axis: str, *, model: tuple[str, str], title: str, target: float) -> None:
+    """Write what a new file is of; ``model`` is its text, or none and why."""
     root.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "axis": axis, "title": title}))
     root.attrs.update(plain({**origin(), "model": model[0], "model_missing": model[1]}))
     write_outcome(root, "running", float("nan"), target, "")
-    _lay_out_signals(root.create_group("signals", track_order=True), signals, axis)
-    _lay_out_frames(root.create_group("frames"), axis, n_q)
-    root.create_group("statistics")
-    root.create_group("events")
 
 
 def reserve(path: Path, end: int, size: int) -> None:
@@ -97,20 +91,20 @@ def reserve(path: Path, end: int, size: int) -> None:
         os.close(descriptor)
 
 
-def room_for(root: Node, n_samples: int, n_frames: int) -> int:
-    """Bytes by which the file grows at most when so many samples and frames are appended, whole chunks and indices included."""
-    rows = {"signals": n_samples, "frames": n_frames}
+def room_for(datasets: Mapping[str, Node], count: int) -> int:
+    """Bytes by which the file grows at most when so many rows are appended to each, whole chunks and indices included."""
     size = 0
-    for name, count in rows.items():
-        for dataset in root[name].values() if count else ():
-            if dataset.maxshape[0] is None:
-                chunk = int(np.prod(dataset.chunks)) * dataset.dtype.itemsize
-                size += (count // dataset.chunks[0] + 2) * (chunk + 4096)
+    for dataset in datasets.values() if count else ():
+        chunk = int(np.prod(dataset.chunks)) * dataset.dtype.itemsize
+        size += (count // dataset.chunks[0] + 2) * (chunk + 4096)
     return size
 
 
-def _lay_out_signals(group: Node, signals: Sequence[Signal], axis: str) -> None:
+def lay_out_signals(root: Node, signals: Sequence[Signal], axis: str) -> dict[str, Node]:
+    """Create the empty datasets of the samples, and return them by name: to look one up takes longer than to write to it."""
+    group = root.create_group("signals", track_order=True)
     at = _scale(group, axis, AXIS_UNIT.get(axis, "1"))
+    datasets = {axis: at}
     for signal in signals:
         if signal.name == axis:  # a static solution samples its load factor, which is already the axis
             continue
@@ -120,19 +114,26 @@ def _lay_out_signals(group: Node, signals: Sequence[Signal], axis: str) -> None:
         dataset.dims[0].attach_scale(at)
         if signal.labels:
             dataset.dims[1].attach_scale(_component_scale(group, signal.labels))
+        datasets[signal.name] = dataset
+    return datasets
 
 
-def _lay_out_frames(group: Node, axis: str, n_q: int) -> None:
+def lay_out_frames(root: Node, axis: str, n_q: int) -> dict[str, Node]:
+    """Create the empty datasets of the frames, and return them by name."""
+    group = root.create_group("frames")
     at = _scale(group, axis, AXIS_UNIT.get(axis, "1"))
     coordinate = group.create_dataset("coordinate", data=np.arange(n_q))
     coordinate.attrs.update(plain({"units": "1", "long_name": "number of the coordinate, three to a vector"}))
     coordinate.make_scale("coordinate")
+    datasets = {axis: at}
     rows = max(1, min(64, 65536 // (8 * max(n_q, 1))))
     for name, label in (("q", "coordinates (positions [m] and slopes)"), ("v", "rates of the coordinates")):
         dataset = group.create_dataset(name, (0, n_q), "f8", maxshape=(None, n_q), chunks=(rows, max(n_q, 1)) if n_q else True)
         dataset.attrs.update(plain({"units": "m, 1" if name == "q" else "m/s, 1/s", "long_name": label}))
         dataset.dims[0].attach_scale(at)
         dataset.dims[1].attach_scale(coordinate)
+        datasets[name] = dataset
+    return datasets
 
 
 def _scale(group: Node, axis: str, unit: str) -> Node:

@@ -31,9 +31,12 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.result_layout import (
+    Node,
     append,
     create_file,
-    lay_out,
+    describe,
+    lay_out_frames,
+    lay_out_signals,
     plain,
     refuse_unfit,
     reserve,
@@ -99,12 +102,18 @@ class ResultWriter:
         self._flush_seconds, self._flushed = flush_seconds, time.monotonic()
         self._failed = self._damaged = False
         self._file = create_file(self.path, overwrite)
-        self._burst(
-            lambda: lay_out(self._file, signals, axis, n_q, model=(model_text, model_missing), title=title, target=target),
-            _MARGIN + len(model_text),
-        )
+        self._signal_rows: dict[str, Node] = {}
+        self._frame_rows: dict[str, Node] = {}
+        self._burst(lambda: self._lay_out((model_text, model_missing), title, target), _MARGIN + len(model_text))
         if imperfection is not None:
             self._burst(lambda: self._file.create_dataset("imperfection", data=imperfection), _MARGIN + imperfection.nbytes)
+
+    def _lay_out(self, model: tuple[str, str], title: str, target: float) -> None:
+        describe(self._file, self._axis, model=model, title=title, target=target)
+        self._signal_rows = lay_out_signals(self._file, self._signals, self._axis)
+        self._frame_rows = lay_out_frames(self._file, self._axis, self._n_q)
+        self._file.create_group("statistics")
+        self._file.create_group("events")
 
     def sample(self, at: float, values: Sequence[Floats]) -> None:
         """One sample of all signals."""
@@ -130,7 +139,8 @@ class ResultWriter:
             ResultFileError: there is no room for it; the file keeps what it had and can still be closed.
         """
         if not self._failed:
-            self._burst(self._write_pending, _MARGIN + room_for(self._file, len(self._at), len(self._frame_at)))
+            size = room_for(self._signal_rows, len(self._at)) + room_for(self._frame_rows, len(self._frame_at))
+            self._burst(self._write_pending, _MARGIN + size)
 
     def close(self, outcome: Outcome, statistics: Statistics) -> None:
         """Write what is pending, the outcome and the statistics, and close the file.
@@ -188,16 +198,15 @@ class ResultWriter:
 
     def _write_pending(self) -> None:
         if self._at:
-            group = self._file["signals"]
             for index, signal in enumerate(self._signals):
                 if signal.name == self._axis:
                     continue
                 column = np.asarray([row[index] for row in self._rows])
-                append(group[signal.name], column if signal.labels else column.reshape(-1))
-            append(group[self._axis], np.asarray(self._at))
+                append(self._signal_rows[signal.name], column if signal.labels else column.reshape(-1))
+            append(self._signal_rows[self._axis], np.asarray(self._at))
             self._file.attrs["reached"] = self._at[-1]
         if self._frame_at:
-            frames = self._file["frames"]
+            frames = self._frame_rows
             append(frames["q"], np.asarray(self._frame_q))
             append(frames["v"], np.asarray(self._frame_v))
             append(frames[self._axis], np.asarray(self._frame_at))
