@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from contextlib import nullcontext
 from pathlib import Path
@@ -328,6 +329,7 @@ def _interrupted(text: str = "") -> int:
 def run() -> None:
     """Entry point of the command ``lamella``."""
     gc.set_threshold(BETWEEN_COLLECTIONS)
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else it looks for some in every package that is installed
     code = run_app()
     gc.freeze()  # or Python would look through everything for garbage once more before it ends: 0.3 s
     sys.exit(code)
