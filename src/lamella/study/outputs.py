@@ -233,7 +233,7 @@ def write_signals(result: Result, path: Path) -> Path:
         for component, label in enumerate(signal.labels or ("",)):
             heading.append(f"{name}{'.' if label else ''}{label} [{signal.unit}]")
             columns.append(values[:, component] if signal.labels else values)
-    return write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True))
+    return write_rows(path, heading, zip(*(column.tolist() for column in columns), strict=True), numbers=True)
 
 
 def write_values(modes: Shapes, path: Path) -> Path:
@@ -245,8 +245,14 @@ def write_values(modes: Shapes, path: Path) -> Path:
     return write_rows(path, ["mode", f"{modes.quantity[0]} [{modes.quantity[1]}]"], shape_table(modes))
 
 
-def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
+def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: bool = False) -> Path:
     """Write a table as CSV.
+
+    Args:
+        path: file to write.
+        heading: names of the columns.
+        rows: values of the columns.
+        numbers: whether they are numbers of Python alone, which are written faster than values that may have to be quoted.
 
     Raises:
         ResultFileError: it cannot be written.
@@ -255,7 +261,10 @@ def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[objec
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(heading)
-            writer.writerows(rows)
+            if numbers:
+                file.writelines(f"{','.join(map(repr, row))}\r\n" for row in rows)
+            else:
+                writer.writerows(rows)
     except OSError as error:
         raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
     return path
