@@ -12,16 +12,16 @@ from __future__ import annotations
 import gc
 import importlib
 import operator
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, Literal, cast
 
 from llvmlite import binding
 from numba.core import caching, codegen, compiler, compiler_machinery, event, typed_passes
 from numba.core import config as numba_config
-from numba.core.runtime.nrt import rtsys
 from numba.core.typing import arraydecl, templates
 
 _dynfunc: Any = importlib.import_module("numba._dynfunc")  # compiled, so that type checkers do not see it
+_runtime: Any = importlib.import_module("numba.core.runtime._nrt_python")  # likewise
 
 FIRST = {"target": "cpu"}
 """Metadata of signatures that are asked before all others of an operator."""
@@ -119,6 +119,16 @@ class _Storage(caching.CompileResultCacheImpl):
         return kernel
 
 
+@cache
+def _announce_runtime() -> None:
+    """Tell LLVM where the functions are that make and release arrays for kernels.
+
+    Numba does so too when something has to be compiled, and compiles what counts references, which stored kernels have in them.
+    """
+    for name, address in _runtime.c_helpers.items():
+        llvm.add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
+
+
 class _Cache(caching.FunctionCache):
     """Numba's cache, without the tables of all functions and types that Numba makes before it reads machine code: 0.15 s.
 
@@ -129,7 +139,7 @@ class _Cache(caching.FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel, or None when it is not in the cache."""
-        rtsys.initialize(target_context)  # counts references to arrays
+        _announce_runtime()
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
 
