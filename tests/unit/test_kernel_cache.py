@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import lamella
+
 KERNELS = """
 from lamella._jit import njit
 
@@ -40,7 +42,7 @@ def run(folder: Path, text: str) -> list[str]:
     """What a process prints that finds the kernels and their cache in a folder."""
     (folder / "kernels.py").write_text(KERNELS)
     os.utime(folder / "kernels.py", (0, 0))  # the cache of a file that is written again would be that of another one
-    environment = {**os.environ, "XDG_CACHE_HOME": str(folder)}
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder), "PYTHONPATH": str(Path(lamella.__file__).parents[1])}
     found = subprocess.run([sys.executable, "-c", text], cwd=folder, env=environment, capture_output=True, text=True)
     assert found.returncode == 0, found.stderr
     return found.stdout.split()

@@ -63,11 +63,11 @@ class Options:
 
 
 def concrete(base: type) -> tuple[type, ...]:
-    """All declarations among ``base`` and its subclasses, in the order they were defined."""
+    """All declarations among ``base`` and its subclasses, in the order of modules, whichever was imported first."""
     if inspect.isabstract(base):
         import_subclasses(base)
     found = dict.fromkeys([base] if is_pydantic_dataclass(base) and not inspect.isabstract(base) else [])
-    for child in base.__subclasses__():
+    for child in sorted(base.__subclasses__(), key=lambda cls: cls.__module__):
         found |= dict.fromkeys(concrete(child))
     return tuple(found)
 
