@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from lamella._jit import inlined, kernel, shared
-from lamella.lane import WIDTH, load, spread, store
+from lamella.lane import WIDTH, load, number_at, put_at, spread, store
 from lamella.roles import Floats, Ints
 
 
@@ -23,7 +23,7 @@ def expand(q: Floats, index: Ints, scale: Floats, twists: Floats, places: Ints, 
         for i in range(12):
             source, target = (36 * block + 3 * i) * WIDTH, (first + places[i]) * WIDTH
             for k in range(3 * WIDTH):
-                out[target + k] = q[index[source + k]] * scale[source + k]
+                put_at(out, target + k, number_at(q, number_at(index, source + k)) * number_at(scale, source + k))
         for t in range(4):
             for c in range(3):
                 value = spread(0.0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from lamella._jit import inlined
-from lamella.lane import WIDTH, load, spread, store
+from lamella.lane import WIDTH, load, number_at, put_at, spread, store
 from lamella.roles import Floats, Ints
 
 N_SECTION = 27
@@ -27,7 +27,7 @@ def gather(q: Floats, index: Ints, scale: Floats, block: int, work: Floats, targ
     """Element coordinates of a block, scaled, to work[target:]."""
     first, to = 48 * WIDTH * block, WIDTH * target
     for k in range(48 * WIDTH):
-        work[to + k] = q[index[first + k]] * scale[first + k]
+        put_at(work, to + k, number_at(q, number_at(index, first + k)) * number_at(scale, first + k))
 
 
 @inlined
