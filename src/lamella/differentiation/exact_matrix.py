@@ -47,9 +47,10 @@ class ExactMatrix:
     Args:
         equations: of the model.
         linear: a solver of the equations' pattern that may be used; one is made when left out.
-        enough: what a solution may lack, as a share of it; it is improved once more then and no further.
+        enough: see below.
 
     Attributes:
+        enough: what a solution may lack, as a share of it; it is improved once more then and no further.
         renewed: values of the matrix that was factorised for the present point, in the pattern's order; None where the one that
             the solver held serves.
 

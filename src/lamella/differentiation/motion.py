@@ -107,8 +107,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     with the exact matrix A at u', for all parameters by one factorisation, that of the step or of one before
     (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at
     u' (:func:`~lamella.differentiation.solution.residual_difference`). It is solved to a tenth of the tolerance of Newton's
-    method, whose error in u' moves a derivative by more. Steps keep the lengths that they have. What the estimate by constant
-    acceleration was off by in the last steps tells how far it is off now, where motion is damped
+    method, or without damping to all of it: the error in u' moves a derivative by more. Steps keep the lengths that they have.
+    What the estimate by constant acceleration was off by in the last steps tells how far it is off now, where motion is damped
     (:class:`~lamella.differentiation.prediction.Prediction`). Newton's method goes on with a matrix that the derivatives have
     factorised; where they do with its own, the run is the same to the last digit.
     """
