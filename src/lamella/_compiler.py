@@ -28,6 +28,7 @@ FIRST = {"target": "cpu"}
 
 llvm = cast("Any", binding)  # without annotations
 NOTHING = llvm.parse_assembly("").as_bitcode()
+"""A module without content, in the form in which others take it in."""
 
 config = cast("Any", numba_config)  # its attributes are made at run time
 infer_global = cast("Any", templates.infer_global)  # its type is too narrow

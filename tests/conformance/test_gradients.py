@@ -215,15 +215,21 @@ def test_run_with_derivatives_goes_on_with_their_matrices() -> None:
     np.testing.assert_allclose(along["tip.position"].values, alone["tip.position"].values, atol=1e-5)  # 0.5 m long
 
 
-def test_few_matrices_serve_a_run_with_derivatives(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where a step with an earlier matrix takes fewer products than one with its own costs: one in five steps or fewer."""
-    method, renewed, factorise = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8), [], ExactMatrix.factorise
+def renewals(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Where derivatives factorise matrices of their own."""
+    found, factorise = [], ExactMatrix.factorise
 
     def counted(self: ExactMatrix, *where: Any) -> None:
-        renewed.append(where)
+        found.append(where)
         factorise(self, *where)
 
     monkeypatch.setattr(ExactMatrix, "factorise", counted)
+    return found
+
+
+def test_few_matrices_serve_a_run_with_derivatives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a step with an earlier matrix takes fewer products than one with its own costs: one in five steps or fewer."""
+    method, renewed = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8), renewals(monkeypatch)
     plate = functools.partial(damped, thickness=4e-3, damping=0.0, mesh=(6, 4))
     equations = Equations(plate().compile())
     force = neighbours_of("force", equations, -20.0, 20.0, lambda force: plate(force=force))
@@ -235,13 +241,7 @@ def test_few_matrices_serve_a_run_with_derivatives(monkeypatch: pytest.MonkeyPat
 
 def test_few_matrices_serve_a_heated_plate(monkeypatch: pytest.MonkeyPatch) -> None:
     """Although its matrix is unsymmetric, and what temperatures add to it is listed entry by entry."""
-    renewed, factorise = [], ExactMatrix.factorise
-
-    def counted(self: ExactMatrix, *where: Any) -> None:
-        renewed.append(where)
-        factorise(self, *where)
-
-    monkeypatch.setattr(ExactMatrix, "factorise", counted)
+    renewed = renewals(monkeypatch)
     equations = Equations(heated().compile())
     assert equations.multiplies
     assert not equations.symmetric

@@ -53,32 +53,40 @@ def _store9(work: Floats, at: int, t: Any) -> None:
 
 
 @inlined
-def _line_sum(work: Floats, z: int, table: Floats, n: int, b: int) -> Any:
-    """The sum over the points of a line, with phi_b."""
+def _none9() -> Any:
     zero = spread(0.0)
-    t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
-    for j in range(n):
-        k = 12 * j + b
-        z0, z1, z2 = _load5(work, z + j * 15), _load5(work, z + j * 15 + 5), _load5(work, z + j * 15 + 10)
-        f0, f1, f2 = table[k], table[k + 4], table[k + 8]
-        t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
-    return t0, t1, t2
+    return (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
 
 
 @inlined
-def _line_sums(work: Floats, z: int, table: Floats, n: int, b: int) -> Any:
-    """The same with phi_b and phi_(b+1), for one reading of the points."""
-    zero = spread(0.0)
-    t0, t1, t2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
-    u0, u1, u2 = (zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+def _load15(work: Floats, at: int) -> Any:
+    return _load5(work, at), _load5(work, at + 5), _load5(work, at + 10)
+
+
+@inlined
+def _t_rows(t: Any, z: Any, table: Floats, k: int) -> Any:
+    """Add what a point of a line gives, with phi_b and its derivatives from table[k] on."""
+    f0, f1, f2 = table[k], table[k + 4], table[k + 8]
+    return _t_row(t[0], z[0], f0, f1, f2), _t_row(t[1], z[1], f0, f1, f2), _t_row(t[2], z[2], f0, f1, f2)
+
+
+@inlined
+def line_sum(work: Floats, z: int, table: Floats, n: int, b: int) -> Any:
+    """The sum over the points of a line, with phi_b."""
+    t = _none9()
     for j in range(n):
-        k = 12 * j + b
-        z0, z1, z2 = _load5(work, z + j * 15), _load5(work, z + j * 15 + 5), _load5(work, z + j * 15 + 10)
-        f0, f1, f2 = table[k], table[k + 4], table[k + 8]
-        t0, t1, t2 = _t_row(t0, z0, f0, f1, f2), _t_row(t1, z1, f0, f1, f2), _t_row(t2, z2, f0, f1, f2)
-        f0, f1, f2 = table[k + 1], table[k + 5], table[k + 9]
-        u0, u1, u2 = _t_row(u0, z0, f0, f1, f2), _t_row(u1, z1, f0, f1, f2), _t_row(u2, z2, f0, f1, f2)
-    return (t0, t1, t2), (u0, u1, u2)
+        t = _t_rows(t, _load15(work, z + j * 15), table, 12 * j + b)
+    return t
+
+
+@inlined
+def line_sums(work: Floats, z: int, table: Floats, n: int, b: int) -> Any:
+    """The same with phi_b and phi_(b+1), for one reading of the points."""
+    t, u = _none9(), _none9()
+    for j in range(n):
+        point = _load15(work, z + j * 15)
+        t, u = _t_rows(t, point, table, 12 * j + b), _t_rows(u, point, table, 12 * j + b + 1)
+    return t, u
 
 
 @inner
@@ -94,11 +102,11 @@ def contract_eta(work: Floats, hessian: int, z: int, target: int, table: Floats,
                 _z_row(work, hessian + j * 25, v, f0, f1, f2, work, z + j * 15)
         if FEW_REGISTERS:
             for b2 in range(b if symmetric else 0, 4):
-                t = _line_sum(work, z, table, n, b2)
+                t = line_sum(work, z, table, n, b2)
                 _store9(work, target + ((4 * b + b2) * n + i) * 9, t)
         else:
             for pair in range(b // 2 if symmetric else 0, 2):
-                t, u = _line_sums(work, z, table, n, 2 * pair)
+                t, u = line_sums(work, z, table, n, 2 * pair)
                 at = target + ((4 * b + 2 * pair) * n + i) * 9
                 _store9(work, at, t)
                 _store9(work, at + n * 9, u)
@@ -136,7 +144,7 @@ def _store_row(k: Floats, at: int, row: Any, first: int) -> int:
 
 
 @inlined
-def _two_rows(work: Floats, line: int, table: Floats, n: int, a: int) -> Any:
+def two_rows(work: Floats, line: int, table: Floats, n: int, a: int) -> Any:
     """The rows a and a + 1 of entries."""
     zero = spread(0.0)
     k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
@@ -147,7 +155,7 @@ def _two_rows(work: Floats, line: int, table: Floats, n: int, a: int) -> Any:
 
 
 @inlined
-def _four_rows(work: Floats, line: int, table: Floats, n: int) -> Any:
+def four_rows(work: Floats, line: int, table: Floats, n: int) -> Any:
     """All rows of entries, for one reading of the points."""
     zero = spread(0.0)
     k0, k1 = (zero, zero, zero, zero), (zero, zero, zero, zero)
@@ -169,12 +177,12 @@ def contract_xi(work: Floats, source: int, table: Floats, n: int, k: Floats, at:
         for b2 in range(b if symmetric else 0, 4):
             line, upper = source + (4 * b + b2) * n * 9, symmetric and b == b2
             if FEW_REGISTERS:
-                k0, k1 = _two_rows(work, line, table, n, 0)
+                k0, k1 = two_rows(work, line, table, n, 0)
                 at = _store_row(k, at, k0, 0)
                 at = _store_row(k, at, k1, 1 if upper else 0)
-                k2, k3 = _two_rows(work, line, table, n, 2)
+                k2, k3 = two_rows(work, line, table, n, 2)
             else:
-                k0, k1, k2, k3 = _four_rows(work, line, table, n)
+                k0, k1, k2, k3 = four_rows(work, line, table, n)
                 at = _store_row(k, at, k0, 0)
                 at = _store_row(k, at, k1, 1 if upper else 0)
             at = _store_row(k, at, k2, 2 if upper else 0)
