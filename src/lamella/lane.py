@@ -2,7 +2,8 @@
 
 Numba maps ``Lane`` to LLVM's ``<WIDTH x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for
 several elements at once; a number combined with a lane counts for all of them. Lanes live in kernels only: they are loaded from
-and stored to consecutive entries of a flat float64 array.
+and stored to consecutive entries of a flat float64 array. They may be loaded from a float32 array as well, which is half as long
+in memory: :func:`load_at` and :func:`number_at` make float64 of what they read.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from numba.core.typing.templates import ConcreteTemplate, signature
 from numba.extending import overload, register_model
 
 from lamella._compiler import FIRST
-from lamella.roles import Floats
+from lamella.roles import Floats, Singles
 
 # Numba's decorators change signatures in ways that type checkers do not follow.
 intrinsic = cast("Callable[[Callable[..., Any]], Callable[..., Any]]", extending.intrinsic)
@@ -37,6 +38,7 @@ CACHE_LINE = 8
 """Numbers in a cache line of 64 bytes."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+_SHORT = ir.VectorType(ir.FloatType(), WIDTH)
 _FLAGS = ("contract", "nsz")
 _BINARY = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
 
@@ -46,6 +48,11 @@ def aligned(size: int) -> Floats:
     raw = np.zeros(size + CACHE_LINE)
     first = -(raw.ctypes.data // raw.itemsize) % CACHE_LINE
     return raw[first : first + size]
+
+
+def aligned_singles(size: int) -> Singles:
+    """The same in single precision."""
+    return aligned(-(-size // 2)).view(np.float32)[:size]
 
 
 class LaneType(types.Type):
@@ -178,14 +185,22 @@ def _overload_power(base, exponent):  # noqa: ANN001, ANN202
     return lambda base, exponent: base**exponent
 
 
+def _is_single(array_type: Any) -> bool:
+    return array_type.dtype == types.float32
+
+
 def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [builder.mul(index, ir.Constant(index.type, stride))]), _VECTOR.as_pointer())
+    vector = _SHORT if _is_single(array_type) else _VECTOR
+    return builder.bitcast(builder.gep(data, [builder.mul(index, ir.Constant(index.type, stride))]), vector.as_pointer())
 
 
 def _loader(stride: int) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), align=8)
+        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride)
+        if _is_single(sig.args[0]):
+            return builder.fpext(builder.load(pointer, align=4), _VECTOR)
+        return builder.load(pointer, align=8)
 
     return generate
 
@@ -226,9 +241,10 @@ def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = cgutils.create_struct_proxy(sig.args[0])(context, builder, args[0]).data
-        return builder.load(builder.gep(data, [args[1]]))
+        number = builder.load(builder.gep(data, [args[1]]))
+        return builder.fpext(number, ir.DoubleType()) if _is_single(array) else number
 
-    return array.dtype(array, types.intp), generate
+    return (types.float64 if _is_single(array) else array.dtype)(array, types.intp), generate
 
 
 @intrinsic

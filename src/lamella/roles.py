@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from lamella.dofs import Build
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 Indices = NDArray[np.int32]

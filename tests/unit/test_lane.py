@@ -12,7 +12,22 @@ import pytest
 
 from lamella._jit import CACHE_FOLDER, inlined, inner, njit, watched
 from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
-from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, put_at, spread, sqrt, store, store_at, total
+from lamella.lane import (
+    WIDTH,
+    aligned,
+    aligned_singles,
+    chosen,
+    load,
+    load_at,
+    number_at,
+    power,
+    put_at,
+    spread,
+    sqrt,
+    store,
+    store_at,
+    total,
+)
 
 
 @inlined
@@ -53,6 +68,24 @@ def test_lane_arithmetic_equals_that_of_numbers():
     assert (out[16 * WIDTH : 17 * WIDTH] == 2.5).all()
     assert out[-2] == pytest.approx(a.sum(), abs=1e-15 * WIDTH)
     assert out[-1] == b[-1]
+
+
+@njit
+def widen(a, out):
+    store(out, 0, load(a, 1))
+    store(out, 1, load_at(a, 3))
+    out[2 * WIDTH] = number_at(a, WIDTH + 2)
+
+
+def test_single_precision_is_widened_when_it_is_read():
+    a = aligned_singles(2 * WIDTH + 1)
+    assert a.dtype == np.float32
+    assert len(a) == 2 * WIDTH + 1
+    assert a.ctypes.data % 64 == 0
+    a[:] = np.random.default_rng(1).standard_normal(len(a))
+    out = np.empty(2 * WIDTH + 1)
+    widen(a, out)
+    np.testing.assert_array_equal(out, [*a[WIDTH : 2 * WIDTH], *a[3 : WIDTH + 3], a[WIDTH + 2]])
 
 
 @njit

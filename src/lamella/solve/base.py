@@ -23,7 +23,8 @@ class LinearSolver(ABC):
     3. ``factorise`` raises :class:`SingularSystemError` with the coordinate that is free in ``index`` (multiplier i counts as
        n + i) when the matrix is singular or not finite. After an error there is no factorisation.
     4. ``solve`` may be called any number of times for one factorisation, changes nothing, and returns new arrays.
-    5. A solution is right to rounding, or an error is raised: a solver without safe pivoting checks its residual.
+    5. A solution is right to rounding, or an error is raised: a solver without safe pivoting checks its residual. After
+       ``shorten`` it may be right to single precision, until ``factorise`` is called again.
     6. ``negative_pivots`` is the number of negative eigenvalues of K (of K on the null space of J, with multipliers) of the
        last factorisation, None where it is not known. An equilibrium is stable when it is 0.
     """
@@ -50,6 +51,9 @@ class LinearSolver(ABC):
     @abstractmethod
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solution x (n,), y (n_lam,) for the right-hand side r (n,), s (n_lam,)."""
+
+    def shorten(self) -> None:  # noqa: B027 - those that gain nothing by it leave it out
+        """From now on the factorisation serves for matrices near the one that it is of: solve to single precision if faster."""
 
     def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
         """Solutions for several right-hand sides, which may cost less together."""
@@ -79,6 +83,9 @@ class SymmetricFactor(ABC):
     @abstractmethod
     def solve(self, r: Floats) -> Floats:
         """K^-1 r for the last successful factorisation."""
+
+    def shorten(self) -> None:  # noqa: B027
+        """As :meth:`LinearSolver.shorten`."""
 
 
 PIVOT_TOLERANCE = 64 * np.finfo(float).eps

@@ -67,6 +67,10 @@ class AutomaticSolver(LinearSolver):
         self._general.factorise(k, j)
         self._active = self._general
 
+    def shorten(self) -> None:
+        """Solve to single precision from now on."""
+        self._active.shorten()
+
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve with the last factorisation."""
         return self._active.solve(r, s)

@@ -128,6 +128,10 @@ class SchurSolver(LinearSolver):
         self._solve_complement = lambda d: vectors @ (vectors.T @ d / values)
         return -1, int(np.count_nonzero(values < 0))
 
+    def shorten(self) -> None:
+        """Solve to single precision from now on; constraints hold to rounding all the same."""
+        self._factor.shorten()
+
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve. The error of y shows in J x = s alone and is corrected once."""
         if self._negative is None:

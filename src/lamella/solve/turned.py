@@ -129,8 +129,9 @@ class TurnedSolver(LinearSolver):
         self._at, self._turned = u, False
 
     def turn(self, u: Floats) -> None:
-        """Turn the factorisation, whose place is known, to the independent coordinates ``u``."""
+        """Turn the factorisation, whose place is known, to the independent coordinates ``u``, and shorten it."""
         assert self._at is not None, "made_at follows each factorisation"
+        self.linear.shorten()
         self._turned = bool(_fit(self._vectors.slopes, self._at, u, self._R))
         self._back[:] = self._R.T
 

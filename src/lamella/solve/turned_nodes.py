@@ -54,6 +54,7 @@ class NodeTurnedSolver(TurnedSolver):
         self._by_nodes = _between(self._start, self._frames, self._turns) <= self._apart
         if self._by_nodes:
             self._returns[:], self._turned = self._turns.transpose(0, 2, 1), True
+            self.linear.shorten()
         else:
             super().turn(u)
 

@@ -1,0 +1,164 @@
+"""A factorisation that serves for other matrices than its own is read in single precision."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_linear import constraints, indefinite, pattern_of, plate_like
+
+import lamella as lm
+from lamella import threads
+from lamella.assembly.equations import Equations
+from lamella.assembly.point import Weights
+from lamella.bench.gradients import WORK
+from lamella.differentiation.exact_matrix import ExactMatrix
+from lamella.roles import Floats
+from lamella.solve import multifrontal, schedule
+from lamella.solve.linear import linear_solver
+from lamella.solve.multifrontal import Multifrontal
+from lamella.solve.turned import TurnedSolver, Vectors
+
+SINGLE = 1e-5
+"""What single precision may leave of a solution: 6e-8 times the condition of these matrices, 50 to 100."""
+WEIGHTS = Weights(1.0, 1500.0, 4e6)
+
+
+@pytest.fixture
+def any_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Factors of any size are shortened."""
+    monkeypatch.setattr(multifrontal, "SHORTENED", 0)
+
+
+def off(found: Floats, expected: Floats) -> float:
+    return float(np.abs(found - expected).max() / np.abs(expected).max())
+
+
+@pytest.mark.usefixtures("any_size")
+@pytest.mark.parametrize("shape", [(2, 2), (7, 5)])
+@pytest.mark.parametrize("definite", [True, False])
+def test_solutions_are_to_single_precision_until_the_next_factorisation(definite: bool, shape: tuple[int, int]) -> None:
+    k = plate_like(*shape)
+    if not definite:
+        k[20, 20] *= -1.0
+    pattern, values, _ = pattern_of(k)
+    factor, r = Multifrontal(pattern), np.sin(np.arange(pattern.n))
+    several = np.stack([r, 2.0 * r, r**2, -r], axis=1)
+    for scale in (1.0, 3.0):
+        assert factor.factorise(scale * values) == -1
+        exact, each = factor.solve(r), factor.solve(several)
+        assert off(scale * (k @ exact), r) < 1e-10
+        factor.shorten()
+        assert 0.0 < off(factor.solve(r), exact) < SINGLE
+        assert 0.0 < off(factor.solve(several), each) < SINGLE
+
+
+def test_small_factors_stay_as_they_are() -> None:
+    pattern, values, _ = pattern_of(plate_like(4, 4))
+    factor, r = Multifrontal(pattern), np.ones(pattern.n)
+    factor.factorise(values)
+    exact = factor.solve(r)
+    factor.shorten()
+    np.testing.assert_array_equal(factor.solve(r), exact)
+
+
+@pytest.mark.usefixtures("any_size")
+@pytest.mark.parametrize("kind", ["definite", "multipliers", "indefinite", "null space"])
+def test_constraints_hold_to_rounding(kind: str) -> None:
+    k = indefinite(5, 4) if kind == "indefinite" else plate_like(5, 4)
+    j = {"multipliers": constraints(len(k), 4), "null space": constraints(len(k), 60)}.get(kind)
+    pattern, k_values, j_values = pattern_of(k, j)
+    solver = linear_solver(pattern)
+    solver.factorise(k_values, j_values)
+    rng = np.random.default_rng(3)
+    r, s = rng.standard_normal(pattern.n), rng.standard_normal(pattern.n_lam)
+    exact, multipliers = solver.solve(r, s)
+    solver.shorten()
+    x, y = solver.solve(r, s)
+    assert off(x, exact) < SINGLE
+    assert (off(x, exact) > 0.0) == (kind != "null space")
+    if j is not None:
+        assert off(y, multipliers) < SINGLE
+        assert np.abs(j @ x - s).max() < 1e-14 * (np.abs(j) @ np.abs(x)).max()
+
+
+def turned_solver_at(equations: Equations) -> tuple[TurnedSolver, Floats]:
+    """A solver with the factorisation at the start, and the coordinates after a rotation."""
+    point = equations.start()
+    solver = TurnedSolver(linear_solver(equations.matrix.pattern), Vectors(equations))
+    solver.factorise(*equations.exact_matrix(point, WEIGHTS))
+    solver.made_at(point.u)
+    turn = np.array([[0.8, 0.0, 0.6], [0.0, 1.0, 0.0], [-0.6, 0.0, 0.8]])
+    return solver, (point.u.reshape(-1, 3) @ turn.T).reshape(-1)
+
+
+def test_what_turns_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
+    equations, found = Equations(WORK[1].plate().compile()), []
+    r, none = np.sin(np.arange(equations.n_u)), np.zeros(0)
+    for entries in (10**9, 0):
+        monkeypatch.setattr(multifrontal, "SHORTENED", entries)
+        solver, u = turned_solver_at(equations)
+        found.append([solver.solve(r, none)[0]])
+        solver.turn(u)
+        found[-1].append(solver.solve(r, none)[0])
+    (at_first, turned), (same, short) = found
+    np.testing.assert_array_equal(same, at_first)
+    assert 0.0 < off(short, turned) < SINGLE
+
+
+def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch, any_size: None) -> None:
+    monkeypatch.setattr(threads, "WORTHWHILE", 0.0)
+    monkeypatch.setattr(schedule, "HANDED_OUT", 0.0)
+    monkeypatch.setattr(schedule, "SAVED", 1.0)
+    pattern, values, _ = pattern_of(plate_like(9, 9))
+    r, found = np.sin(np.arange(pattern.n)), []
+    try:
+        for count in (1, 2):
+            threads.use(count)
+            factor = Multifrontal(pattern)
+            assert factor._plan.solves == (count == 2)
+            factor.factorise(values)
+            factor.shorten()
+            found.append((factor.solve(r), factor.solve(np.stack([r, -r, r**2], axis=1))))
+    finally:
+        threads.use(None)
+    for one, same in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, same)
+
+
+def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Newton's tolerance decides on the end of a motion, not the precision of its corrections."""
+    model, method = WORK[1].plate().compile(), lm.GeneralizedAlpha(1e-3, newton=lm.Newton(tolerance=1e-9, keep=0.6))
+    done, shortened, shorten = [], [0], Multifrontal.shorten
+
+    def counted(factor: Multifrontal) -> None:
+        before = factor._read
+        shorten(factor)
+        shortened[0] += factor._read is not before
+
+    monkeypatch.setattr(Multifrontal, "shorten", counted)
+    for entries in (10**9, 0):
+        monkeypatch.setattr(multifrontal, "SHORTENED", entries)
+        result = lm.simulate(model, 0.05, method)
+        done.append((result.final.q, result.statistics))
+        assert (shortened[0] > 0) == (entries == 0)
+    assert shortened[0] <= done[1][1].factorisations
+    assert done[1][1].newton_iterations == pytest.approx(done[0][1].newton_iterations, rel=0.02)
+    assert off(done[1][0], done[0][0]) < 1e-8
+
+
+@pytest.mark.usefixtures("any_size")
+@pytest.mark.parametrize("work", [WORK[1], WORK[3]], ids=lambda work: work.name)
+def test_derivatives_are_as_right_as_they_are_asked_for(work) -> None:
+    """Products with the exact matrix tell what a short factor of another one lacks."""
+    equations = Equations(work.plate().compile())
+    start, r, none = equations.start(), np.sin(np.arange(equations.n_u)), np.zeros(0)
+    point = start.copy()
+    point.u += 1e-5 * equations.magnitude * np.sin(np.arange(equations.n_u))
+    matrix, exact = ExactMatrix(equations), ExactMatrix(equations)
+    exact.factorise(point, WEIGHTS)
+    matrix.factorise(start, WEIGHTS)
+    matrix.linear.shorten()
+    matrix._begin(point, WEIGHTS)
+    expected, found = exact.solve(r, none)[0], matrix.solve(r, none)[0]
+    assert matrix._spent > 0
+    assert 0.0 < off(found, expected) < 1e-9
