@@ -13,20 +13,21 @@ from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.roles import Floats
-from lamella.solve import multifrontal, schedule
+from lamella.solve import front_solution, schedule
 from lamella.solve.linear import linear_solver
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.turned import TurnedSolver, Vectors
 
 SINGLE = 1e-5
-"""What single precision may leave of a solution: 6e-8 times the condition of these matrices, 50 to 100."""
+"""What single precision may leave of a solution: 6e-8 times the condition of these matrices scaled to a diagonal of 1, 20 to 430,
+and no more."""
 WEIGHTS = Weights(1.0, 1500.0, 4e6)
 
 
 @pytest.fixture
 def any_size(monkeypatch: pytest.MonkeyPatch) -> None:
     """Factors of any size are shortened."""
-    monkeypatch.setattr(multifrontal, "SHORTENED", 0)
+    monkeypatch.setattr(front_solution, "SHORTENED", 0)
 
 
 def off(found: Floats, expected: Floats) -> float:
@@ -62,11 +63,13 @@ def test_small_factors_stay_as_they_are() -> None:
 
 
 @pytest.mark.usefixtures("any_size")
-@pytest.mark.parametrize("kind", ["definite", "multipliers", "indefinite", "null space"])
+@pytest.mark.parametrize("kind", ["definite", "multipliers", "indefinite", "unsymmetric", "unsymmetric with multipliers"])
 def test_constraints_hold_to_rounding(kind: str) -> None:
     k = indefinite(5, 4) if kind == "indefinite" else plate_like(5, 4)
-    j = {"multipliers": constraints(len(k), 4), "null space": constraints(len(k), 60)}.get(kind)
-    pattern, k_values, j_values = pattern_of(k, j)
+    if kind.startswith("unsymmetric"):
+        k *= 1.0 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
+    j = constraints(len(k), 4) if kind.endswith("multipliers") else None
+    pattern, k_values, j_values = pattern_of(k, j, symmetric=not kind.startswith("unsymmetric"))
     solver = linear_solver(pattern)
     solver.factorise(k_values, j_values)
     rng = np.random.default_rng(3)
@@ -75,7 +78,7 @@ def test_constraints_hold_to_rounding(kind: str) -> None:
     solver.shorten()
     x, y = solver.solve(r, s)
     assert off(x, exact) < SINGLE
-    assert (off(x, exact) > 0.0) == (kind != "null space")
+    assert off(x, exact) > 0.0
     if j is not None:
         assert off(y, multipliers) < SINGLE
         assert np.abs(j @ x - s).max() < 1e-14 * (np.abs(j) @ np.abs(x)).max()
@@ -95,7 +98,7 @@ def test_what_turns_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
     equations, found = Equations(WORK[1].plate().compile()), []
     r, none = np.sin(np.arange(equations.n_u)), np.zeros(0)
     for entries in (10**9, 0):
-        monkeypatch.setattr(multifrontal, "SHORTENED", entries)
+        monkeypatch.setattr(front_solution, "SHORTENED", entries)
         solver, u = turned_solver_at(equations)
         found.append([solver.solve(r, none)[0]])
         solver.turn(u)
@@ -137,7 +140,7 @@ def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatc
 
     monkeypatch.setattr(Multifrontal, "shorten", counted)
     for entries in (10**9, 0):
-        monkeypatch.setattr(multifrontal, "SHORTENED", entries)
+        monkeypatch.setattr(front_solution, "SHORTENED", entries)
         result = lm.simulate(model, 0.05, method)
         done.append((result.final.q, result.statistics))
         assert (shortened[0] > 0) == (entries == 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,8 @@ from numpy.typing import NDArray
 
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import sorted_by
-from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Ints
+from lamella.lane import WIDTH, aligned, aligned_singles
+from lamella.roles import Floats, Ints, Singles
 from lamella.solve import front_solution, lu_kernels
 from lamella.solve.base import PIVOT_TOLERANCE
 from lamella.solve.front_kernels import BLOCK
@@ -48,6 +49,7 @@ class MultifrontalLU:
         self._padded_at = layout.pivots[layout.padded]
         panels = aligned(2 * layout.size + WIDTH)
         self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
+        self._read: front_solution.Panels = panels
         self._u, self._v = aligned(layout.update_size), aligned(layout.update_size)
         self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
         self._b, self._y = aligned(BLOCK * layout.longest + WIDTH), aligned(layout.longest + WIDTH)
@@ -55,7 +57,7 @@ class MultifrontalLU:
 
     def factorise(self, k: Floats, more: Floats) -> int:
         """Factorise the matrix of values in both arrays; -1, or the coordinate whose pivot is rounding error."""
-        at = self._layout
+        at, self._read = self._layout, self._panels
         lu_kernels.sizes(k, more, self._diagonal, at.diagonal_position, self.magnitude)
         limits = PIVOT_TOLERANCE * self.magnitude
         failed = lu_kernels.factorise(
@@ -73,6 +75,16 @@ class MultifrontalLU:
         """The coordinate at a position."""
         return int(self._layout.coordinate[position])
 
+    def shorten(self) -> None:
+        """Read the factor in single precision from now on, where that is faster."""
+        if self.size >= front_solution.SHORTENED and self._read is self._panels:
+            np.copyto(self._short, self._panels, casting="same_kind")
+            self._read = self._short
+
+    @cached_property
+    def _short(self) -> Singles:
+        return aligned_singles(len(self._panels))
+
     def solve(self, z: Floats) -> None:
         """z <- A^-1 z by position, zero at those that fill up, for the last successful factorisation."""
         order, fronts, rows, runs, a, c, signs, rest, y = self.arrays
@@ -81,5 +93,5 @@ class MultifrontalLU:
     @property
     def arrays(self) -> tuple[NDArray[Any], ...]:
         """The factorisation and two workspaces, as :func:`lamella.solve.front_solution.solve` takes them before and behind z."""
-        at = self._layout
-        return self._order, at.fronts, at.rows, at.runs, self._a, self._c, self._signs, self._rest, self._y
+        at, a, c = self._layout, self._read[: self._layout.size], self._read[self._layout.size :]
+        return self._order, at.fronts, at.rows, at.runs, a, c, self._signs, self._rest, self._y

@@ -22,9 +22,6 @@ SMALL_PIVOT = 1e-12
 thin strips have 1e-9 and more. Where a matrix is regular all the same, a general solver finds that by its condition."""
 SEVERAL = 3
 """Right-hand sides from which a substitution with all at once is faster than one with each."""
-SHORTENED = 300_000
-"""Entries from which a factor is read faster in single precision, by a third to a half: those of the second level of a cache. To
-shorten it takes as long as two substitutions save."""
 
 
 class Multifrontal(SymmetricFactor):
@@ -94,7 +91,7 @@ class Multifrontal(SymmetricFactor):
 
     def shorten(self) -> None:
         """Read the factor in single precision from now on, where that is faster."""
-        if self.size >= SHORTENED and self._read is self._a:
+        if self.size >= front_solution.SHORTENED and self._read is self._a:
             np.copyto(self._short, self._a, casting="same_kind")
             self._read = self._short
 

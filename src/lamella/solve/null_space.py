@@ -42,7 +42,7 @@ class NullSpaceSolver(LinearSolver):
         columns, sources = (x.astype(np.int32) for x in (position[reduced.indices], self._map.sources))
         self._rows = Rows(position, reduced.indptr, columns, sources)
         self._motions = self._map.motions(position)
-        self._arrays = *self._motions, *self._map.right, *self._map.down, *self._map.core, *self._lu.arrays
+        self._maps = *self._motions, *self._map.right, *self._map.down, *self._map.core
         # By position, with zeros where the factorisation has filled up:
         self._probe, self._b, self._z, self._off = (np.zeros(self._lu.n) for _ in range(4))
         self._probe[position] = probe(reduced.n)
@@ -94,13 +94,17 @@ class NullSpaceSolver(LinearSolver):
             return np.inf, self._lu.coordinate_at(softest)
         return error / (size + 1.0), self._lu.coordinate_at(worst)
 
+    def shorten(self) -> None:
+        """Solve to single precision from now on; constraints hold to rounding all the same."""
+        self._lu.shorten()
+
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve by one reduced solution; the multipliers follow from the rows of the constrained coordinates."""
         if not self._usable:
             raise SingularSystemError("there is no factorisation to solve with; factorise a regular matrix first")
         x, y, z, rest = np.empty(self.pattern.n), np.zeros(self.pattern.n_lam), self._z, self._rest
         if not self._refine:
-            solve(r, s, x, y, z, rest, *self._arrays)
+            solve(r, s, x, y, z, rest, *self._maps, *self._lu.arrays)
             return x, y
         gather(r, s, self._motions, self._map.right, self._map.core, x, rest, z)
         self._b[:] = z
