@@ -13,7 +13,7 @@ from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.roles import Floats
-from lamella.solve import front_solution, schedule
+from lamella.solve import panels, schedule
 from lamella.solve.linear import linear_solver
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.turned import TurnedSolver, Vectors
@@ -27,7 +27,7 @@ WEIGHTS = Weights(1.0, 1500.0, 4e6)
 @pytest.fixture
 def any_size(monkeypatch: pytest.MonkeyPatch) -> None:
     """Factors of any size are shortened."""
-    monkeypatch.setattr(front_solution, "SHORTENED", 0)
+    monkeypatch.setattr(panels, "SHORTENED", 0)
 
 
 def off(found: Floats, expected: Floats) -> float:
@@ -98,7 +98,7 @@ def test_what_turns_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
     equations, found = Equations(WORK[1].plate().compile()), []
     r, none = np.sin(np.arange(equations.n_u)), np.zeros(0)
     for entries in (10**9, 0):
-        monkeypatch.setattr(front_solution, "SHORTENED", entries)
+        monkeypatch.setattr(panels, "SHORTENED", entries)
         solver, u = turned_solver_at(equations)
         found.append([solver.solve(r, none)[0]])
         solver.turn(u)
@@ -131,16 +131,16 @@ def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch, any_size: None) 
 def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatch: pytest.MonkeyPatch) -> None:
     """Newton's tolerance decides on the end of a motion, not the precision of its corrections."""
     model, method = WORK[1].plate().compile(), lm.GeneralizedAlpha(1e-3, newton=lm.Newton(tolerance=1e-9, keep=0.6))
-    done, shortened, shorten = [], [0], Multifrontal.shorten
+    done, shortened, shorten = [], [0], panels.Panels.shorten
 
-    def counted(factor: Multifrontal) -> None:
-        before = factor._read
+    def counted(factor: panels.Panels) -> None:
+        before = factor.read
         shorten(factor)
-        shortened[0] += factor._read is not before
+        shortened[0] += factor.read is not before
 
-    monkeypatch.setattr(Multifrontal, "shorten", counted)
+    monkeypatch.setattr(panels.Panels, "shorten", counted)
     for entries in (10**9, 0):
-        monkeypatch.setattr(front_solution, "SHORTENED", entries)
+        monkeypatch.setattr(panels, "SHORTENED", entries)
         result = lm.simulate(model, 0.05, method)
         done.append((result.final.q, result.statistics))
         assert (shortened[0] > 0) == (entries == 0)

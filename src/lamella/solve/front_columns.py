@@ -10,11 +10,11 @@ from __future__ import annotations
 from lamella._jit import inner, kernel, shared
 from lamella.lane import WIDTH, load, number_at, put_at, spread, store, store_at
 from lamella.roles import Floats, Ints
-from lamella.solve.front_solution import Panels
+from lamella.solve.panels import Readable
 
 
 @inner
-def _forward(a: Panels, a0: int, a_len: int, p: int, end: int, y: Floats) -> None:
+def _forward(a: Readable, a0: int, a_len: int, p: int, end: int, y: Floats) -> None:
     """y <- L^-1 y for the pivots, rest of y minus what they cause."""
     for k in range(0, p, 4):
         c0 = a0 + k * a_len
@@ -35,7 +35,7 @@ def _forward(a: Panels, a0: int, a_len: int, p: int, end: int, y: Floats) -> Non
 
 
 @inner
-def _backward(a: Panels, a0: int, a_len: int, p: int, end: int, y: Floats) -> None:
+def _backward(a: Readable, a0: int, a_len: int, p: int, end: int, y: Floats) -> None:
     """y <- L^-T y for the pivots, with the rest of y known."""
     for k in range(p - 4, -1, -4):
         c0 = a0 + k * a_len
@@ -63,7 +63,7 @@ def _backward(a: Panels, a0: int, a_len: int, p: int, end: int, y: Floats) -> No
 
 
 @shared
-def forward(order: Ints, fronts: Ints, runs: Ints, a: Panels, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
+def forward(order: Ints, fronts: Ints, runs: Ints, a: Readable, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
     """x <- S L^-1 x for the pivots of some fronts, children before parents."""
     for f in order:
         first, p, a_len, a0, n, start = fronts[f, 0], fronts[f, 1], fronts[f, 2], fronts[f, 3], fronts[f, 4], fronts[f, 7]
@@ -86,7 +86,7 @@ def forward(order: Ints, fronts: Ints, runs: Ints, a: Panels, signs: Floats, x: 
 
 
 @shared
-def backward(order: Ints, fronts: Ints, rows: Ints, a: Panels, x: Floats, y: Floats) -> None:
+def backward(order: Ints, fronts: Ints, rows: Ints, a: Readable, x: Floats, y: Floats) -> None:
     """x <- L^-T x for the pivots of some fronts, parents before children, the last in ``order`` first."""
     for k in range(len(order) - 1, -1, -1):
         f = order[k]

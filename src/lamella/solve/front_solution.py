@@ -6,14 +6,9 @@ from __future__ import annotations
 
 from lamella._jit import inlined, inner, kernel, shared
 from lamella.lane import WIDTH, load_at, number_at, put_at, spread, store_at, total
-from lamella.roles import Floats, Ints, Singles
+from lamella.roles import Floats, Ints
 from lamella.solve.front_kernels import add_entries
-
-Panels = Floats | Singles
-"""Panels of a factor, which are half as long in single precision; what is read is computed with in double precision."""
-SHORTENED = 300_000
-"""Entries from which a factor is read faster in single precision, by a third to a half: those of the second level of a cache. To
-shorten it takes as long as two substitutions save."""
+from lamella.solve.panels import Readable
 
 
 @inlined
@@ -29,7 +24,7 @@ def _copy(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
 
 
 @inner
-def _forward(a: Panels, a0: int, a_len: int, p: int, y: Floats) -> None:
+def _forward(a: Readable, a0: int, a_len: int, p: int, y: Floats) -> None:
     """y <- L^-1 y for the pivots, rest of y minus what they cause; four columns at a time, so that y is read and written once."""
     for k in range(0, p, 4):
         c0 = a0 + k * a_len
@@ -47,7 +42,7 @@ def _forward(a: Panels, a0: int, a_len: int, p: int, y: Floats) -> None:
 
 
 @inner
-def _backward(a: Panels, a0: int, a_len: int, p: int, y: Floats) -> None:
+def _backward(a: Readable, a0: int, a_len: int, p: int, y: Floats) -> None:
     """y <- L^-T y for the pivots, with the rest of y known."""
     for k in range(p - 4, -1, -4):
         c0 = a0 + k * a_len
@@ -87,7 +82,9 @@ def _backward(a: Panels, a0: int, a_len: int, p: int, y: Floats) -> None:
 
 
 @inlined
-def _forward_fronts(order: Ints, fronts: Ints, runs: Ints, a: Panels, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
+def _forward_fronts(
+    order: Ints, fronts: Ints, runs: Ints, a: Readable, signs: Floats, x: Floats, rest: Floats, y: Floats
+) -> None:
     """x <- S L^-1 x for the pivots of some fronts, children before parents; arguments as for :func:`solve`.
 
     What a front adds to rows above it is kept, so that fronts of which none is above the other can be done at the same time.
@@ -109,13 +106,13 @@ def _forward_fronts(order: Ints, fronts: Ints, runs: Ints, a: Panels, signs: Flo
 
 
 @shared
-def forward(order: Ints, fronts: Ints, runs: Ints, a: Panels, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
+def forward(order: Ints, fronts: Ints, runs: Ints, a: Readable, signs: Floats, x: Floats, rest: Floats, y: Floats) -> None:
     """x <- S L^-1 x for the pivots of some fronts, children before parents; arguments as for :func:`solve`."""
     _forward_fronts(order, fronts, runs, a, signs, x, rest, y)
 
 
 @inlined
-def _backward_fronts(order: Ints, fronts: Ints, rows: Ints, c: Panels, x: Floats, y: Floats) -> None:
+def _backward_fronts(order: Ints, fronts: Ints, rows: Ints, c: Readable, x: Floats, y: Floats) -> None:
     """x <- U^-1 x for the pivots of some fronts, parents before children, the last in ``order`` first; see :func:`solve`."""
     for k in range(len(order) - 1, -1, -1):
         f = order[k]
@@ -130,14 +127,14 @@ def _backward_fronts(order: Ints, fronts: Ints, rows: Ints, c: Panels, x: Floats
 
 
 @shared
-def backward(order: Ints, fronts: Ints, rows: Ints, c: Panels, x: Floats, y: Floats) -> None:
+def backward(order: Ints, fronts: Ints, rows: Ints, c: Readable, x: Floats, y: Floats) -> None:
     """x <- U^-1 x for the pivots of some fronts, parents before children, the last in ``order`` first; see :func:`solve`."""
     _backward_fronts(order, fronts, rows, c, x, y)
 
 
 @inlined
 def _solve(
-    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Panels, c: Panels, signs: Floats, x: Floats, rest: Floats, y: Floats
+    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Readable, c: Readable, signs: Floats, x: Floats, rest: Floats, y: Floats
 ) -> None:
     _forward_fronts(order, fronts, runs, a, signs, x, rest, y)
     _backward_fronts(order, fronts, rows, c, x, y)
@@ -145,7 +142,7 @@ def _solve(
 
 @kernel
 def solve(
-    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Panels, c: Panels, signs: Floats, x: Floats, rest: Floats, y: Floats
+    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Readable, c: Readable, signs: Floats, x: Floats, rest: Floats, y: Floats
 ) -> None:
     """x <- (L S U)^-1 x, by position.
 
@@ -180,7 +177,7 @@ def gather_coordinates(x: Floats, position: Ints, out: Floats) -> None:
 
 @kernel
 def solve_coordinates(
-    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Panels, signs: Floats, position: Ints, r: Floats,
+    order: Ints, fronts: Ints, rows: Ints, runs: Ints, a: Readable, signs: Floats, position: Ints, r: Floats,
     x: Floats, rest: Floats, y: Floats, out: Floats,
 ) -> None:  # fmt: skip
     """out <- (L S L^T)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""

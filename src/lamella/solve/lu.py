@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,12 +9,13 @@ from numpy.typing import NDArray
 
 from lamella.assembly.pattern import Pattern
 from lamella.assembly.pattern_kernels import sorted_by
-from lamella.lane import WIDTH, aligned, aligned_singles
-from lamella.roles import Floats, Ints, Singles
+from lamella.lane import WIDTH, aligned
+from lamella.roles import Floats, Ints
 from lamella.solve import front_solution, lu_kernels
 from lamella.solve.base import PIVOT_TOLERANCE
 from lamella.solve.front_kernels import BLOCK
 from lamella.solve.layout import layout_of
+from lamella.solve.panels import Panels
 
 
 class MultifrontalLU:
@@ -47,9 +47,8 @@ class MultifrontalLU:
         self._diagonal = sources[layout.diagonal].astype(np.int32)
         self._entries = lu_kernels.Entries(numbers.astype(np.int32), slots.astype(np.uint32), np.append(0, ends[:-1]))
         self._padded_at = layout.pivots[layout.padded]
-        panels = aligned(2 * layout.size + WIDTH)
-        self._panels, self._a, self._c = panels, panels[: layout.size], panels[layout.size :]
-        self._read: front_solution.Panels = panels
+        self._panels = Panels(2 * layout.size)
+        self._a, self._c = self._panels.written[: layout.size], self._panels.written[layout.size :]
         self._u, self._v = aligned(layout.update_size), aligned(layout.update_size)
         self._signs, self._ones = np.ones(self.n), np.ones(BLOCK)
         self._b, self._y = aligned(BLOCK * layout.longest + WIDTH), aligned(layout.longest + WIDTH)
@@ -57,12 +56,13 @@ class MultifrontalLU:
 
     def factorise(self, k: Floats, more: Floats) -> int:
         """Factorise the matrix of values in both arrays; -1, or the coordinate whose pivot is rounding error."""
-        at, self._read = self._layout, self._panels
+        at = self._layout
+        self._panels.renew()
         lu_kernels.sizes(k, more, self._diagonal, at.diagonal_position, self.magnitude)
         limits = PIVOT_TOLERANCE * self.magnitude
         failed = lu_kernels.factorise(
             k, more, self._entries, self._padded_at, at.fronts, at.runs, limits,
-            self._panels, self._a, self._c, self._u, self._v, self._ones, self._b,
+            self._panels.written, self._a, self._c, self._u, self._v, self._ones, self._b,
         )  # fmt: skip
         return int(at.coordinate[failed]) if failed >= 0 else -1
 
@@ -77,13 +77,7 @@ class MultifrontalLU:
 
     def shorten(self) -> None:
         """Read the factor in single precision from now on, where that is faster."""
-        if self.size >= front_solution.SHORTENED and self._read is self._panels:
-            np.copyto(self._short, self._panels, casting="same_kind")
-            self._read = self._short
-
-    @cached_property
-    def _short(self) -> Singles:
-        return aligned_singles(len(self._panels))
+        self._panels.shorten()
 
     def solve(self, z: Floats) -> None:
         """z <- A^-1 z by position, zero at those that fill up, for the last successful factorisation."""
@@ -93,5 +87,5 @@ class MultifrontalLU:
     @property
     def arrays(self) -> tuple[NDArray[Any], ...]:
         """The factorisation and two workspaces, as :func:`lamella.solve.front_solution.solve` takes them before and behind z."""
-        at, a, c = self._layout, self._read[: self._layout.size], self._read[self._layout.size :]
-        return self._order, at.fronts, at.rows, at.runs, a, c, self._signs, self._rest, self._y
+        at, read, size = self._layout, self._panels.read, self._layout.size
+        return self._order, at.fronts, at.rows, at.runs, read[:size], read[size:], self._signs, self._rest, self._y

@@ -8,12 +8,12 @@ import numpy as np
 
 from lamella import threads
 from lamella.assembly.pattern import Pattern
-from lamella.lane import WIDTH, aligned, aligned_singles
-from lamella.roles import Floats, Ints, Singles
+from lamella.lane import WIDTH, aligned
+from lamella.roles import Floats, Ints
 from lamella.solve import front_columns, front_kernels, front_solution
 from lamella.solve.base import SymmetricFactor
-from lamella.solve.front_solution import Panels
 from lamella.solve.layout import layout_of
+from lamella.solve.panels import Panels
 from lamella.solve.schedule import row_ranges, schedule_of
 from lamella.threads import Workspace
 
@@ -39,8 +39,7 @@ class Multifrontal(SymmetricFactor):
         self._layout = layout = layout_of(pattern)
         self._plan = plan = schedule_of(layout)
         self.cost, self.size = layout.cost, layout.size
-        self._a, self._u = aligned(layout.size + WIDTH), aligned(plan.update_size)
-        self._read: Panels = self._a
+        self._panels, self._u = Panels(layout.size), aligned(plan.update_size)
         self._signs = np.ones(len(layout.coordinate))
         self._z, self._rest = np.zeros(len(layout.coordinate)), np.zeros(len(layout.rows))
         self._b = Workspace(front_kernels.BLOCK * layout.longest + WIDTH)
@@ -49,12 +48,13 @@ class Multifrontal(SymmetricFactor):
 
     def factorise(self, k: Floats) -> int:
         """Factorise; -1, or the coordinate whose pivot is rounding error."""
-        at, plan, self._read = self._layout, self._plan, self._a
+        at, plan, a = self._layout, self._plan, self._panels.written
+        self._panels.renew()
         limits = at.limits(k, SMALL_PIVOT)
 
         def subtree(first: int, end: int) -> int:
             return front_kernels.factorise(
-                k, *at.entries, first, end, plan.fronts, at.runs, limits, self._a, self._u, self._signs, self._b.array
+                k, *at.entries, first, end, plan.fronts, at.runs, limits, a, self._u, self._signs, self._b.array
             )
 
         found = threads.run([partial(subtree, *fronts) for fronts in plan.subtrees])
@@ -67,7 +67,7 @@ class Multifrontal(SymmetricFactor):
 
     def _factorise_above(self, k: Floats, f: int, limits: Floats) -> int:
         """Factorise a front above the subtrees, the rows of whose update go to the threads; -1, or the position that failed."""
-        plan, a, u, b = self._plan, self._a, self._u, self._b.array
+        plan, a, u, b = self._plan, self._panels.written, self._u, self._b.array
         front_kernels.assemble(k, *self._layout.entries, f, plan.fronts, self._layout.runs, a, u)
         position, p, a_len, a0, _, u_len, u0 = plan.fronts[f, :7].tolist()
         for first in range(0, p, front_kernels.BLOCK):
@@ -91,13 +91,7 @@ class Multifrontal(SymmetricFactor):
 
     def shorten(self) -> None:
         """Read the factor in single precision from now on, where that is faster."""
-        if self.size >= front_solution.SHORTENED and self._read is self._a:
-            np.copyto(self._short, self._a, casting="same_kind")
-            self._read = self._short
-
-    @cached_property
-    def _short(self) -> Singles:
-        return aligned_singles(len(self._a))
+        self._panels.shorten()
 
     def solve(self, r: Floats) -> Floats:
         """K^-1 r by forward and back substitution."""
@@ -124,10 +118,10 @@ class Multifrontal(SymmetricFactor):
         at, plan, (x, rest, y) = self._layout, self._plan, self._columns
 
         def forward(order: Ints) -> None:
-            front_columns.forward(order, plan.fronts, at.runs, self._read, self._signs, x, rest, y.array)
+            front_columns.forward(order, plan.fronts, at.runs, self._panels.read, self._signs, x, rest, y.array)
 
         def backward(order: Ints) -> None:
-            front_columns.backward(order, plan.fronts, at.rows, self._read, x, y.array)
+            front_columns.backward(order, plan.fronts, at.rows, self._panels.read, x, y.array)
 
         front_columns.spread_columns(r, at.position, x)
         subtrees = self._orders if plan.solves else [self._order]
@@ -142,15 +136,15 @@ class Multifrontal(SymmetricFactor):
         at, plan, z, x = self._layout, self._plan, self._z, np.empty_like(r)
         if not plan.solves:
             work = z, self._rest, self._y.array
-            panels = plan.fronts, at.rows, at.runs, self._read, self._signs
+            panels = plan.fronts, at.rows, at.runs, self._panels.read, self._signs
             front_solution.solve_coordinates(self._order, *panels, at.position, r, *work, x)
             return x
 
         def forward(order: Ints) -> None:
-            front_solution.forward(order, plan.fronts, at.runs, self._read, self._signs, z, self._rest, self._y.array)
+            front_solution.forward(order, plan.fronts, at.runs, self._panels.read, self._signs, z, self._rest, self._y.array)
 
         def backward(order: Ints) -> None:
-            front_solution.backward(order, plan.fronts, at.rows, self._read, z, self._y.array)
+            front_solution.backward(order, plan.fronts, at.rows, self._panels.read, z, self._y.array)
 
         front_solution.spread_positions(r, at.position, z)
         threads.run([partial(forward, order) for order in self._orders])
