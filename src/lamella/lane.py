@@ -2,8 +2,8 @@
 
 Numba maps ``Lane`` to LLVM's ``<WIDTH x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for
 several elements at once; a number combined with a lane counts for all of them. Lanes live in kernels only: they are loaded from
-and stored to consecutive entries of a flat float64 array. They may be loaded from a float32 array as well, which is half as long
-in memory: :func:`load_at` and :func:`number_at` make float64 of what they read.
+and stored to consecutive entries of a flat float64 array. They may be loaded from and stored to a float32 array as well, which is
+half as long in memory: what is read becomes float64, what is written is rounded.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from numba.core.typing.templates import ConcreteTemplate, signature
 from numba.extending import overload, register_model
 
 from lamella._compiler import FIRST
-from lamella.roles import Floats, Singles
+from lamella.roles import Floats
 
 # Numba's decorators change signatures in ways that type checkers do not follow.
 intrinsic = cast("Callable[[Callable[..., Any]], Callable[..., Any]]", extending.intrinsic)
@@ -48,11 +48,6 @@ def aligned(size: int) -> Floats:
     raw = np.zeros(size + CACHE_LINE)
     first = -(raw.ctypes.data // raw.itemsize) % CACHE_LINE
     return raw[first : first + size]
-
-
-def aligned_singles(size: int) -> Singles:
-    """The same in single precision."""
-    return aligned(-(-size // 2)).view(np.float32)[:size]
 
 
 class LaneType(types.Type):
@@ -207,8 +202,11 @@ def _loader(stride: int) -> Any:
 
 def _storer(stride: int) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride)
-        builder.store(_as_lane(builder, args[2]), pointer, align=8)
+        pointer, value = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), _as_lane(builder, args[2])
+        if _is_single(sig.args[0]):
+            builder.store(builder.fptrunc(value, _SHORT), pointer, align=4)
+        else:
+            builder.store(value, pointer, align=8)
         return context.get_dummy_value()
 
     return generate

@@ -12,22 +12,7 @@ import pytest
 
 from lamella._jit import CACHE_FOLDER, inlined, inner, njit, watched
 from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
-from lamella.lane import (
-    WIDTH,
-    aligned,
-    aligned_singles,
-    chosen,
-    load,
-    load_at,
-    number_at,
-    power,
-    put_at,
-    spread,
-    sqrt,
-    store,
-    store_at,
-    total,
-)
+from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, put_at, spread, sqrt, store, store_at, total
 
 
 @inlined
@@ -71,21 +56,21 @@ def test_lane_arithmetic_equals_that_of_numbers():
 
 
 @njit
-def widen(a, out):
-    store(out, 0, load(a, 1))
-    store(out, 1, load_at(a, 3))
-    out[2 * WIDTH] = number_at(a, WIDTH + 2)
+def through(singles, out, back):
+    store(out, 0, load(singles, 1))
+    store(out, 1, load_at(singles, 3))
+    out[2 * WIDTH] = number_at(singles, WIDTH + 2)
+    store(back, 0, load(out, 0) / 3.0)
+    store_at(back, WIDTH + 1, load(out, 1) / 3.0)
 
 
-def test_single_precision_is_widened_when_it_is_read():
-    a = aligned_singles(2 * WIDTH + 1)
-    assert a.dtype == np.float32
-    assert len(a) == 2 * WIDTH + 1
-    assert a.ctypes.data % 64 == 0
-    a[:] = np.random.default_rng(1).standard_normal(len(a))
-    out = np.empty(2 * WIDTH + 1)
-    widen(a, out)
-    np.testing.assert_array_equal(out, [*a[WIDTH : 2 * WIDTH], *a[3 : WIDTH + 3], a[WIDTH + 2]])
+def test_single_precision_is_widened_when_it_is_read_and_rounded_when_it_is_written():
+    singles = np.random.default_rng(1).standard_normal(2 * WIDTH + 1).astype(np.float32)
+    out, back = np.empty(2 * WIDTH + 1), np.full(2 * WIDTH + 2, -1.0, np.float32)
+    through(singles, out, back)
+    np.testing.assert_array_equal(out, [*singles[WIDTH : 2 * WIDTH], *singles[3 : WIDTH + 3], singles[WIDTH + 2]])
+    thirds = (out[: 2 * WIDTH] / 3.0).astype(np.float32)
+    np.testing.assert_array_equal(back, [*thirds[:WIDTH], -1.0, *thirds[WIDTH:], -1.0])
 
 
 @njit

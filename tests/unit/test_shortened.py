@@ -12,6 +12,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
+from lamella.lane import WIDTH
 from lamella.roles import Floats
 from lamella.solve import panels, schedule
 from lamella.solve.linear import linear_solver
@@ -51,6 +52,21 @@ def test_solutions_are_to_single_precision_until_the_next_factorisation(definite
         factor.shorten()
         assert 0.0 < off(factor.solve(r), exact) < SINGLE
         assert 0.0 < off(factor.solve(several), each) < SINGLE
+
+
+@pytest.mark.usefixtures("any_size")
+@pytest.mark.parametrize("size", [1, WIDTH, 5 * WIDTH + 3])
+def test_panels_are_shortened_in_their_own_place(size: int) -> None:
+    short = panels.Panels(size)
+    short.written[:] = expected = np.random.default_rng(4).standard_normal(len(short.written))
+    short.shorten()
+    np.testing.assert_array_equal(short.read, expected.astype(np.float32))
+    assert np.shares_memory(short.read, short.written)
+    short.shorten()
+    np.testing.assert_array_equal(short.read, expected.astype(np.float32))
+    short.renew()
+    assert short.read is short.written
+    assert len(short.read) >= size + WIDTH  # a substitution loads a lane behind the last entry
 
 
 def test_small_factors_stay_as_they_are() -> None:

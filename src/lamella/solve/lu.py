@@ -69,7 +69,7 @@ class MultifrontalLU:
     @property
     def negative_pivots(self) -> int:
         """Negative pivots, which are the negative eigenvalues of a symmetric matrix."""
-        return int(np.count_nonzero(self._c[self._layout.pivots] < 0))
+        return int(np.count_nonzero(self._panels.read[self._layout.size :][self._layout.pivots] < 0))
 
     def coordinate_at(self, position: int) -> int:
         """The coordinate at a position."""

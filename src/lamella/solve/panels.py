@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 
-from lamella.lane import WIDTH, aligned, aligned_singles
+from lamella._jit import kernel
+from lamella.lane import WIDTH, aligned, load_at, store_at
 from lamella.roles import Floats, Singles
 
 SHORTENED = 300_000
 """Entries from which a factor is read faster in single precision, by a third to a half: those of the second level of a cache. To
-shorten it takes as long as two substitutions save."""
+shorten it takes as long as two to four substitutions save."""
 
 Readable = Floats | Singles
 """What substitutions read: panels in either precision, with which they compute in double precision."""
@@ -24,12 +23,12 @@ class Panels:
         size: entries.
 
     Attributes:
-        written: in double precision, to be written by a factorisation.
-        read: the same, or a copy in single precision after :meth:`shorten`.
+        written: in double precision, to be written by a factorisation; of no use after :meth:`shorten`.
+        read: the same, or what :meth:`shorten` has put in its place.
     """
 
     def __init__(self, size: int) -> None:
-        self.size, self.written = size, aligned(size + WIDTH)
+        self.size, self.written = size, aligned((size // WIDTH + 2) * WIDTH)
         self.read: Readable = self.written
 
     def renew(self) -> None:
@@ -37,11 +36,17 @@ class Panels:
         self.read = self.written
 
     def shorten(self) -> None:
-        """Let substitutions read single precision from now on, where that is faster."""
-        if self.size >= SHORTENED and self.read is self.written:
-            np.copyto(self._short, self.written, casting="same_kind")
-            self.read = self._short
+        """Let substitutions read single precision from now on, where that is faster.
 
-    @cached_property
-    def _short(self) -> Singles:
-        return aligned_singles(len(self.written))
+        It takes the place of the panels themselves: on some machines new memory takes as long as fifty substitutions save.
+        """
+        if self.size >= SHORTENED and self.read is self.written:
+            self.read = self.written.view(np.float32)[: len(self.written)]
+            _narrow(self.written, self.read)
+
+
+@kernel
+def _narrow(panels: Floats, short: Singles) -> None:
+    """short <- panels, in whose memory it lies: each lane is read before its place is written."""
+    for i in range(0, len(short), WIDTH):
+        store_at(short, i, load_at(panels, i))
