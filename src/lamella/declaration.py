@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import reprlib
+from collections.abc import Callable, Sequence
 from dataclasses import Field as DataField
 from dataclasses import fields
 from inspect import Parameter, Signature
@@ -50,7 +51,7 @@ def _clear_errors(made: Any) -> Callable[..., None]:
         except ValidationError as error:
             name = kwargs.get("name")
             item = f"{kind} '{name}'" if isinstance(name, str) else kind
-            problem, accepted = explain(error.errors()[0])
+            problem, accepted = explain(error.errors())
             raise DeclarationError(item, problem, accepted) from error
 
     checked.__signature__ = _signature(made)  # type: ignore[attr-defined]
@@ -82,10 +83,41 @@ LIMITS = {
 }
 
 
-def explain(error: ErrorDetails) -> tuple[str, str]:
-    """Turn one pydantic error into (problem with the value, what is accepted)."""
-    place = ".".join(str(part) for part in error["loc"] if not str(part).startswith("function-"))
+VALUES = {
+    **dict.fromkeys(("tuple_type", "list_type"), "a list"),
+    "dict_type": "a mapping of names to values",
+    **dict.fromkeys(("bool_type", "bool_parsing"), "true or false"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_parsing_size", "int_from_float", "finite_number"), "a whole number"),
+    **dict.fromkeys(("float_type", "float_parsing"), "a number"),
+    "string_type": "a text",
+    "callable_type": "a function",
+}
+"""What is accepted where a value is of another kind."""
+
+_short = reprlib.Repr()
+_short.maxstring = _short.maxother = 60
+
+
+def wanted(errors: Sequence[ErrorDetails]) -> str:
+    """What the first of pydantic's errors accepts, if it is of another kind or length; of a union of classes all of them."""
+    context, kind = errors[0].get("ctx", {}), errors[0]["type"]
+    if kind == "too_short":
+        return f"a list of at least {context['min_length']}"
+    if kind == "too_long":
+        return f"a list of at most {context['max_length']}"
+    here = [error.get("ctx", {}) for error in errors if error["loc"][:1] == errors[0]["loc"][:1]]
+    classes = [found for found in (known.get("class") or known.get("class_name") for known in here) if found]
+    return VALUES.get(kind, "") or " or ".join(f"{'an' if name[0] in 'AEIOU' else 'a'} {name}" for name in classes)
+
+
+def explain(errors: Sequence[ErrorDetails]) -> tuple[str, str]:
+    """Turn the first of pydantic's errors into (problem with the value, what is accepted)."""
+    error, accepted = errors[0], wanted(errors)
+    parts = [str(part) for part in error["loc"] if not str(part).startswith(("function-", "is-instance["))]
     context = error.get("ctx", {})
+    if "class_name" in context and parts[-1:] == [context["class_name"]]:  # a member of a union
+        parts.pop()
+    place = ".".join(parts)
     kind, value = error["type"], error.get("input")
     cause = context.get("error")
     if isinstance(cause, DeclarationError) and not place:
@@ -101,5 +133,13 @@ def explain(error: ErrorDetails) -> tuple[str, str]:
         return f"'{place}' is missing", ""
     if kind == "literal_error":
         return f"{place} = {value!r}", f"accepted is {context['expected']}"
+    if accepted:
+        return f"{place} = {_brief(value)}", f"accepted is {accepted}"
     message = error["msg"].removeprefix("Value error, ")
-    return f"{place} = {value!r}" if place else message, message if place else ""
+    return f"{place} = {_brief(value)}" if place else message, message if place else ""
+
+
+def _brief(value: object) -> str:
+    """A value for a message: a declaration by its name."""
+    name = getattr(value, "name", None)
+    return f"{type(value).__name__} '{name}'" if type(value) in KINDS and name else _short.repr(value)

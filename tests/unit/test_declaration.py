@@ -8,6 +8,7 @@ from typing import Literal
 import pytest
 from pydantic import TypeAdapter
 
+from lamella import Clamp, Isotropic, Laminate, Plate, PointForce
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError, LamellaError
 from lamella.units import Length, Thickness, quantity
@@ -87,5 +88,15 @@ def test_too_many_arguments() -> None:
 
 
 def test_a_name_that_is_no_text() -> None:
-    with pytest.raises(DeclarationError, match="Sheet: name = 5; Input should be a valid string"):
+    with pytest.raises(DeclarationError, match="Sheet: name = 5; accepted is a text"):
         Sheet(5, 1)  # type: ignore[arg-type]
+
+
+def test_values_of_another_kind_are_told_with_what_is_accepted() -> None:
+    with pytest.raises(DeclarationError, match="Stack: sheets = 5; accepted is a list"):
+        Stack(5)  # type: ignore[arg-type]
+    plate = Plate("wing", (1, 1), (1, 1), Laminate(Isotropic(7e10, 0.3, 2700), thickness=1e-3))
+    with pytest.raises(DeclarationError, match="Clamp 'root': on = Plate 'wing'; accepted is an Edge or a Marker"):
+        Clamp("root", plate)  # type: ignore[arg-type]
+    with pytest.raises(DeclarationError, match=r"PointForce 'load': on = <Edge wing\.x->; accepted is a Marker"):
+        PointForce("load", plate.edge("x-"), (0, 0, 1))  # type: ignore[arg-type]

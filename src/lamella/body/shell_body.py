@@ -65,6 +65,9 @@ class Edge:
     def __str__(self) -> str:
         return f"{self.body.name}.{self.side}"
 
+    def __repr__(self) -> str:
+        return f"<Edge {self}>"
+
 
 class MeshedBody(Body):
     """Fields that each body declares itself, so that they come before its options."""

@@ -45,7 +45,7 @@ class Options:
         references: bodies, joints and other items of the system, written by their name.
         items: annotations of the items of a sequence that holds declarations or references; one for each place of a tuple.
         repeated: True when a sequence has any number of items of the one annotation in ``items``.
-        values: annotation of the values of a mapping that holds declarations or references.
+        values: annotation of the values of a mapping that holds declarations, references or lists of one length.
         plain: annotations of plain values.
     """
 
@@ -127,7 +127,7 @@ def _options(annotation: Any, n_kinds: int) -> Options:
         elif origin in SEQUENCES and any(part is not Ellipsis and options(part).structured for part in inner):
             repeated = Ellipsis in inner or origin is not tuple
             items = tuple(part for part in inner if part is not Ellipsis)
-        elif origin in MAPPINGS and options(inner[1]).structured:
+        elif origin in MAPPINGS and (options(inner[1]).structured or fixed_length(inner[1])):
             values = inner[1]
         else:
             plain.append(member)

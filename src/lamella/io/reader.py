@@ -13,7 +13,7 @@ from pydantic.dataclasses import is_pydantic_dataclass
 from pydantic_core import ErrorDetails
 
 from lamella.body.base import Body
-from lamella.declaration import LIMITS
+from lamella.declaration import LIMITS, wanted
 from lamella.errors import DeclarationError, LamellaError
 from lamella.io.annotation import Options, concrete, field_specs, fixed_length, in_files, options, same_shape, tag_of
 from lamella.io.document import Document, Place, shown
@@ -143,8 +143,8 @@ class Reader:
         read = tuple(self.value(annotations[i], item, (*place, i)) for i, item in enumerate(data))
         return FAILED if FAILED in read else read
 
-    def _plain(self, annotation: Any, data: Any, place: Place, wanted: str = "") -> Any:
-        narrowed = annotation if wanted else same_shape(options(annotation).plain, data)
+    def _plain(self, annotation: Any, data: Any, place: Place, words: str = "") -> Any:
+        narrowed = annotation if words else same_shape(options(annotation).plain, data)
         length = fixed_length(narrowed)
         if length is not None and isinstance(data, list) and len(data) != length:
             return self._fail(place, f"the list has {len(data)} items; accepted are {length}")
@@ -152,8 +152,11 @@ class Reader:
             return _adapter(narrowed).validate_python(data)
         except ValidationError as error:
             for details in error.errors():
+                if details["type"] == "too_short" and len(details["input"]) >= details.get("ctx", {})["min_length"]:
+                    continue  # its items are told
                 inner = _inside(details["loc"], data)
-                self._fail((*place, *inner), explained(details, wanted))
+                whole = details["type"] == "tuple_type" and not inner and length is not None
+                self._fail((*place, *inner), explained(details, words or (f"a list of {length}" if whole else "")))
         except LamellaError as error:
             self._fail(place, str(error))
         return FAILED
@@ -185,6 +188,8 @@ def accepted(allowed: Options) -> str:
         words.append(f"a mapping ({names})")
     if allowed.items:
         words.append("a list")
+    if allowed.values is not None:
+        words.append("a mapping with 'key: value' entries")
     return " or ".join(words)
 
 
@@ -209,20 +214,23 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return (f"; did you mean '{meant}'?" if meant else ";") + f" accepted are {', '.join(names)}"
 
 
-def explained(details: ErrorDetails, wanted: str = "") -> str:
+def explained(details: ErrorDetails, words: str = "") -> str:
     """One pydantic error as a sentence: the value, and what is accepted."""
     context, kind, value = details.get("ctx", {}), details["type"], details["input"]
     if kind in LIMITS:
-        key, words = LIMITS[kind]
-        return f"found {shown(value)}; accepted is a value {words} {context[key]:g}"
+        key, limit = LIMITS[kind]
+        return f"found {shown(value)}; accepted is a value {limit} {context[key]:g}"
     if kind == "literal_error":
         choices = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
         return f"found {shown(value)}{suggestion(str(value), choices)}"
     cause = context.get("error")
     message = str(cause) if isinstance(cause, LamellaError) else details["msg"].removeprefix("Value error, ")
+    if kind == "profile":
+        return f"found {shown(value)}; {message}"
     if shown(value) in message or "accepted" in message:
         return message
-    return f"found {shown(value)}; " + (f"accepted is {wanted}" if wanted else message[0].lower() + message[1:])
+    words = words or wanted([details])
+    return f"found {shown(value)}; " + (f"accepted is {words}" if words else message[0].lower() + message[1:])
 
 
 def _inside(location: tuple[int | str, ...], data: Any) -> Place:
