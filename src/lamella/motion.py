@@ -239,7 +239,8 @@ class March:
         """Step to a time; ``jumping`` says that something jumps there. The outcome when it is not reached."""
         dt = self.stepper.first_step(self.integrator.dt) if self.dt is None else self.dt
         wait = 0
-        while self.t < stop - 1e-9 * dt:
+        span = self.t_end - self.recorder.start  # of which a first step may be many times
+        while self.t < stop - 1e-9 * min(dt, span):
             remaining = stop - self.t
             count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
             trial = remaining / count if count else dt

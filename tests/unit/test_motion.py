@@ -55,6 +55,18 @@ def test_free_fall_is_exact():
     assert np.abs(result["energy.balance"].values).max() < 1e-6 * result["energy.kinetic"].values.max()
 
 
+@pytest.mark.parametrize("t_end", [1e-12, 1e-3])
+def test_a_step_much_longer_than_the_run_ends_with_it(t_end):
+    system = lm.System()
+    system.add(lm.Plate("plate", (1.0, 0.5), (1, 1), SECTION, velocity=(1.0, 2.0, 3.0))).marker("m", 0.3, 0.2)
+    result = lm.simulate(system, t_end, lm.GeneralizedAlpha(dt=1e9))
+    assert result.at[-1] == t_end
+    np.testing.assert_allclose(result["m.position"][-1] - result["m.position"][0], np.multiply(t_end, (1, 2, 3)), rtol=1e-3)
+    run = lm.Stepping(system, lm.GeneralizedAlpha(dt=1e9))
+    run.advance(t_end)
+    assert run.t == t_end
+
+
 def test_moving_support_carries_the_plate():
     """A clamp that shakes a stiff plate slowly moves its tip along; the work of the support is the energy gained."""
     system, plate = lm.System(), lm.Plate("plate", (0.3, 0.2), (1, 1), SECTION)

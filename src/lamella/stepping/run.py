@@ -216,7 +216,7 @@ class Stepping:
         self._take()
         march.stepper.forget()
         march.t_end = t
-        close = CLOSE * self._integrator.dt
+        close = CLOSE * min(self._integrator.dt, t - self._t_start)
         while march.t < t - close:
             stops = [s for s in self.model.breakpoints if march.t < s <= t + close]
             jump = stops[0] if stops else np.inf
