@@ -24,7 +24,19 @@ OVERRIDES = [
     ("analysis.swing.integrator.dt=0", "accepted is a value greater than 0"),
     ("analysis={}", "asks for no analysis"),
     ("system={}", "no body, joint or load is given"),
-    ("analysis={still: {type: statics}, swing: {type: motion, t_end: 1, start: stil}}", "no earlier analysis"),
+    (
+        "analysis={still: {type: statics}, swing: {type: motion, t_end: 1, start: stil}}",
+        "'stil' is no earlier analysis with a state; did you mean 'still'?",
+    ),
+    (
+        "analysis={swing: {type: motion, t_end: 1, start: still}, still: {type: statics}}",
+        "'still' is no earlier analysis with a state; there is none to choose from",
+    ),
+    ("analysis={m: {type: natural_modes, count: 2}, n: {type: natural_modes, count: 2, about: m}}", "with a state"),
+    (
+        "analysis={a: {type: statics}, b: {type: path, imperfection: {of: c, amplitude: 1 mm}}}",
+        "'c' is no earlier analysis; accepted are a",
+    ),
 ]
 
 

@@ -57,7 +57,7 @@ def test_a_linear_model_goes_into_a_model_file_and_back(plant: Path) -> None:
         ("analysis.plant.inputs=[lod]", "there is no input 'lod'"),
         ("analysis.plant.outputs=[tip.place]", "there is no output 'tip.place'"),
         ("analysis.plant.inputs=[]", "inputs"),
-        ("analysis.plant.about=swing", "starts from 'swing', which is no earlier analysis with a state; there are: none"),
+        ("analysis.plant.about=swing", "'swing' is no earlier analysis with a state; there is none to choose from"),
         ("analysis.plant.order=40", "order = 40; accepted is 1 to 10"),
     ],
 )

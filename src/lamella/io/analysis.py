@@ -58,6 +58,12 @@ class Analysis(ABC):
         """What it samples, in this order."""
         return system_signals(equations)
 
+    def begins(self) -> dict[tuple[str, ...], str]:
+        """The names of earlier analyses it goes on from, by the keys that say so."""
+        named = {(key,): getattr(self, key, None) for key in ("start", "about")}
+        named |= {(key, "of"): getattr(getattr(self, key, None), "of", None) for key in ("imperfection", "branch")}
+        return {place: name for place, name in named.items() if name is not None}
+
     def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
         """The model it computes with: that of the system, or of an earlier analysis it goes on from.
 

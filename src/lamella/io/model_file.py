@@ -6,7 +6,7 @@ See docs/model-file.md.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_args
@@ -84,6 +84,7 @@ def _model(document: Document, overrides: Sequence[str]) -> ModelFile:
     for section in ("materials", "laminates", "profiles"):
         items.section(section)
     declarations, analyses = items.section("system"), items.section("analysis")
+    _check_order(document, analyses)
     output = document.data.get("output")
     read = items.reader.declared(SECTIONS["output"].classes(), output, ("output",)) if output is not None else Output()
     document.check()
@@ -114,6 +115,18 @@ def _check_top(document: Document) -> None:
         )
     if not data.get("system"):
         document.problem(("system",), "no body, joint or load is given; accepted are 'name: {type: plate, ...}' entries")
+
+
+def _check_order(document: Document, analyses: Mapping[str, Analysis]) -> None:
+    """Refuse an analysis that goes on from none of those before it, or from one that ends in no state."""
+    names = [*document.data["analysis"]] if analyses else []
+    for name, analysis in analyses.items():
+        for place, of in analysis.begins().items():
+            shape = place[0] == "imperfection"  # one of modes or buckling as well
+            fit = [key for key in names[: names.index(name)] if key not in analyses or analyses[key].axis or shape]
+            if of not in fit:
+                wanted = f"'{of}' is no earlier analysis{'' if shape else ' with a state'}"
+                document.problem(("analysis", name, *place), wanted + suggestion(of, fit))
 
 
 def apply_override(document: Document, override: str) -> None:
