@@ -61,6 +61,28 @@ def test_refused_model_writes_nothing(here, model: Path, tmp_path: Path) -> None
     assert not (tmp_path / "out").exists()
 
 
+def test_refused_system_leaves_results_as_they_are(here, model: Path, tmp_path: Path) -> None:
+    """What is wrong with the system as a whole is found before the folder is made, or cleared."""
+    apart = "system.pin={type: spherical_joint, a: ground.post, b: strip.tip}"
+    words = ("--set", "system.ground={type: ground, markers: {post: [0, 0, 9]}}", "--set", apart)
+    assert "9.0" in one_message(here("run", model, "--out", "out/of", "--no-pictures", *words))
+    assert not (tmp_path / "out").exists()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "report.html").write_text("of an earlier run")
+    one_message(here("run", model, "--out", "out", "--no-pictures", "--overwrite", *words))
+    assert (tmp_path / "out" / "report.html").read_text() == "of an earlier run"
+
+
+def test_analysis_that_is_refused_leaves_no_empty_folder(here, model: Path, tmp_path: Path) -> None:
+    linear = "analysis={still: {type: statics}, plant: {type: linear, about: still, inputs: [motor], outputs: [tip.position.z]}}"
+    assert "there is no input 'motor'" in one_message(here("run", model, "--out", "out", "--no-pictures", "-q", "--set", linear))
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["still"]
+    free = "system.root={type: point_force, on: strip.tip, force: [1, 0, 0]}"
+    words = ("--set", "analysis={still: {type: statics}}", "--set", free)
+    one_message(here("run", model, "--out", "other", "--no-pictures", *words))
+    assert not (tmp_path / "other").exists()
+
+
 def test_statics_without_a_support_is_refused(here, model: Path) -> None:
     model.write_text(model.read_text().replace("  root: {type: clamp, on: strip.x-}\n", ""))
     message = one_message(here("run", model, "--out", "out", "--no-pictures", "--set", "analysis={still: {type: statics}}"))

@@ -25,15 +25,15 @@ def run_command(name: str, out: Path | None, settings: list[str], *, overwrite: 
     chosen = find_model(name)
     path = chosen.model if isinstance(chosen, Example) else chosen
     model = read_model(path, settings)  # all errors of the file come before anything is written
-    folder = open_folder(out or Path("results") / (chosen.name if isinstance(chosen, Example) else chosen.stem), overwrite)
+    folder = out or Path("results") / (chosen.name if isinstance(chosen, Example) else chosen.stem)
     progress = not quiet
     say = say_nothing if quiet else say_on_error_stream
     if not (isinstance(chosen, Example) and chosen.is_study):
-        finished = run_model(model, folder, pictures=pictures, progress=progress, say=say)
+        finished = run_model(model, folder, overwrite=overwrite, pictures=pictures, progress=progress, say=say)
         if not quiet:
             _summary({"": finished}, [], folder)
         return
-    study = Study(path, folder, settings, draw=pictures, progress=progress, say=say)
+    study = Study(path, open_folder(folder, overwrite), settings, draw=pictures, progress=progress, say=say)
     findings = run_study(chosen.study(), study)
     if not quiet:
         _summary(study.finished, study.files, folder)

@@ -186,7 +186,6 @@ def _write(found: OptimisationResult, family: FileFamily, folder: Path, pictures
         from lamella.optimisation.report import write_report_of
 
         place = folder / BEST
-        place.mkdir(exist_ok=True)
         say("the best design is run whole")
         finished = run_model(best, place, say=say)
         files += [file for item in finished for file in item.files]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from lamella.errors import ResultFileError
@@ -29,10 +31,7 @@ def open_folder(folder: Path, overwrite: bool) -> Path:
     Raises:
         ResultFileError: it holds results and ``overwrite`` is False, it is a file, or it cannot be written to.
     """
-    if folder.exists() and not folder.is_dir():
-        raise ResultFileError(f"'{folder}' is a file; accepted is a folder for the results (--out)")
-    if not overwrite and holds_results(folder):
-        raise ResultFileError(f"'{folder}' holds results already; give --overwrite to replace them, or another folder with --out")
+    check_folder(folder, overwrite)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -43,6 +42,26 @@ def open_folder(folder: Path, overwrite: bool) -> Path:
             f"the folder '{folder}' cannot be written: {error.strerror or error}; choose another one with --out"
         ) from error
     return folder
+
+
+def check_folder(folder: Path, overwrite: bool) -> None:
+    """Refuse a folder that holds results, unless they may be replaced, or that is a file; nothing is changed yet."""
+    if folder.exists() and not folder.is_dir():
+        raise ResultFileError(f"'{folder}' is a file; accepted is a folder for the results (--out)")
+    if not overwrite and holds_results(folder):
+        raise ResultFileError(f"'{folder}' holds results already; give --overwrite to replace them, or another folder with --out")
+
+
+@contextmanager
+def swept(folder: Path) -> Iterator[None]:
+    """Remove a folder that is made in here, and those above it, if nothing is written into it."""
+    made = [place for place in (folder, *folder.parents) if not place.exists()]
+    try:
+        yield
+    finally:
+        for place in made:
+            if place.is_dir() and not any(place.iterdir()):
+                place.rmdir()
 
 
 def holds_results(folder: Path) -> bool:

@@ -16,7 +16,7 @@ from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Result, Sink
-from lamella.study.folder import MODEL, RESULT
+from lamella.study.folder import MODEL, RESULT, check_folder, open_folder, swept
 from lamella.study.interruption import Interruption
 from lamella.study.linear_outputs import write_linear_outputs
 from lamella.study.outputs import write_outputs
@@ -49,6 +49,7 @@ def run_model(
     model_file: ModelFile,
     folder: Path,
     *,
+    overwrite: bool = True,
     pictures: bool = True,
     progress: bool = False,
     say: Say = silent,
@@ -57,7 +58,9 @@ def run_model(
 
     Args:
         model_file: what to run.
-        folder: an existing folder; each analysis has one of its own in it when there are several.
+        folder: made, or cleared of an earlier run, once the system is compiled; each analysis has one of its own in it when
+            there are several.
+        overwrite: replace the results of an earlier run.
         pictures: write plots, pictures and the report.
         progress: show a progress bar.
         say: takes messages such as that kernels are being compiled.
@@ -68,21 +71,25 @@ def run_model(
     Raises:
         KeyboardInterrupt: the user interrupted; the result file is closed and says how far the solution got.
         ConvergenceError: an analysis stopped early; what it gave until then is written.
+        ResultFileError: the folder holds results and ``overwrite`` is False, or it cannot be written.
     """
     if not model_file.analyses:
         name, sample = model_file.name or "the model", "'analysis: {swing: {type: motion, t_end: 1 s}}'"
         raise ModelFileError(f"{name} asks for no analysis; add one, for example {sample}")
+    check_folder(folder, overwrite)
     text = model_file.text()
-    with compilation_notice(progress, say):
+    with compilation_notice(progress, say), swept(folder):
         model = model_file.system.compile()
+        open_folder(folder, overwrite)
         finished: list[Finished] = []
         for analysis in model_file.analyses:
             place = folder if len(model_file.analyses) == 1 else folder / analysis.name
-            place.mkdir(exist_ok=True)
             earlier = {item.analysis.name: item.computed for item in finished}
-            done = _run_analysis(model_file, text, model, analysis, earlier, place, progress)
+            with swept(place):
+                place.mkdir(exist_ok=True)
+                done = _run_analysis(model_file, text, model, analysis, earlier, place, progress)
+                _write_text(place / MODEL, text, done)
             finished.append(done)
-            _write_text(place / MODEL, text, done)
             if isinstance(done.computed, StateSpace):
                 done.files.extend(write_linear_outputs(model_file, done.computed, model, place, pictures))
             else:

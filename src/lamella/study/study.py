@@ -56,10 +56,9 @@ class Study:
         if name in self.finished:
             raise DeclarationError("study", f"the variant '{name}' has been run already", "every variant has its own name")
         self.say(f"variant {name}: {', '.join(overrides) or 'as in the model file'}")
-        folder = self.folder / name
-        folder.mkdir(exist_ok=True)
+        drawn = pictures and self.draw
         self.finished[name] = run_model(
-            self.read(overrides), folder, pictures=pictures and self.draw, progress=self.progress, say=self.say
+            self.read(overrides), self.folder / name, pictures=drawn, progress=self.progress, say=self.say
         )
         return {item.analysis.name: item.computed for item in self.finished[name]}
 
