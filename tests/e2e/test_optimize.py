@@ -90,12 +90,14 @@ def test_the_lightest_strip_is_that_of_beam_theory(
         ("[1 mm, 5 mm]", "[5 mm, 1 mm]", "a lower value before a higher one"),
         ("{thickness: 4 mm}", "{thickness: 6 mm}", "accepted is 1 to 5 mm"),
         ("{thickness: 4 mm}", "{thicknes: 4 mm}", "did you mean 'thickness'"),
-        ("{output: mass}", "{output: mas}", "did you mean 'mass'"),
+        ("{output: mass}", "{output: mas}", "line 11, objective: there is no output 'mas'; did you mean 'mass'"),
         ("{output: mass}", "{output: mass, goal: target}", "a target with the goal"),
         ("{min: -1 mm}", "{min: -1 kg}", "does not convert to m"),
         ("{min: -1 mm}", "{min: 2 mm, max: 1 mm}", "a lower value before a higher one"),
         ("objective", "method: l-bfgs-b\nobjective", "knows no constraints"),
         ("optimize: 1\n", "", "'optimize: 1' is missing"),
+        ("{kind: mass}", "{kind: mass, body: stirp}", "there is no body 'stirp' with mass; did you mean"),
+        ("parameters:\n  thickness", "parameters:\n  seconds", "the table has a column 'seconds' of its own"),
     ],
 )
 def test_errors_come_before_anything_is_run(here: Command, file: Path, tmp_path: Path, old: str, new: str, said: str) -> None:

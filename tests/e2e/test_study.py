@@ -251,6 +251,13 @@ def test_the_folder_of_a_run_is_left_alone(here: Command, study: Path, tmp_path:
         ),
         ("strip.yaml", "stripe.yaml", "line 3, model: the model file 'stripe.yaml' does not exist"),
         ("title: Strip", "title: [1]", "line 2, title"),
+        ("  deflection:", "  message:", "line 8, outputs: the table has a column 'message' of its own; accepted is another name"),
+        ("  thickness:", "  run:", "line 4, parameters: the table has a column 'run' of its own"),
+        (
+            "  deflection:",
+            "  mass: {kind: mass, body: stirp}\n  deflection:",
+            "line 9, outputs.mass.body: there is no body 'stirp' with mass; did you mean 'strip'?",
+        ),
         (STUDY[STUDY.index("outputs:") :], "outputs: {}\n", "outputs is empty"),
         ("  thickness", " thickness", "not valid YAML"),
     ],

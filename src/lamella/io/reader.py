@@ -132,7 +132,9 @@ class Reader:
             return cls(**fields)
         except DeclarationError as error:
             problem = error.problem.removeprefix(error.item + ": ")
-            return self._fail(_nearest(problem, data, place), problem + (f"; {error.accepted}" if error.accepted else ""))
+            near = _nearest(problem, data, place)
+            told = problem.removeprefix(f"{near[-1]}: ") if near else problem
+            return self._fail(near, told + (f"; {error.accepted}" if error.accepted else ""))
         except LamellaError as error:
             return self._fail(place, str(error))
 

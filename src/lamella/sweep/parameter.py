@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -147,6 +147,15 @@ def _times(value: Any, factor: float) -> Any:
     if found is None:
         raise DeclarationError("parameter", f"the value {value!r} times the factor {factor:g}", "accepted are numbers")
     return with_unit(found[0] * factor, found[1])
+
+
+def check_names(parameters: Collection[str], outputs: Collection[str], columns: Collection[str]) -> None:
+    """Refuse names that two columns of the table would have; ``columns`` are those it has in any case."""
+    if twice := {*parameters} & {*outputs}:
+        raise ValueError(f"outputs and parameters are both called {', '.join(sorted(twice))}; accepted are different names")
+    for kind, names in (("parameters", parameters), ("outputs", outputs)):
+        if taken := [name for name in names if name in columns]:
+            raise ValueError(f"{kind}: the table has a column '{taken[0]}' of its own; accepted is another name")
 
 
 def columns_of(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[str, tuple[str, list[Any]]]:

@@ -17,8 +17,8 @@ from lamella.io.document import Document, Place
 from lamella.io.model_file import ModelFile, loads
 from lamella.sweep.designs import Design, Row, design_rows
 from lamella.sweep.file import read_declaration
-from lamella.sweep.outputs import StudyOutput, recorded
-from lamella.sweep.parameter import Parameter
+from lamella.sweep.outputs import MassOutput, StudyOutput, recorded
+from lamella.sweep.parameter import Parameter, check_names
 
 TRIED = 10
 """Runs whose model is read before anything is run, until one can be."""
@@ -58,8 +58,7 @@ class ParameterStudy:
             raise ValueError("outputs is empty; accepted is at least one number to keep of each run")
         if self.workers is not None and self.cluster is not None:
             raise ValueError("workers and cluster are both given; a cluster has its own workers")
-        if twice := set(self.parameters) & set(self.outputs):
-            raise ValueError(f"outputs and parameters are both called {', '.join(sorted(twice))}; accepted are different names")
+        check_names(self.parameters, self.outputs, ("run", "status", "message"))
         taken: dict[str, str] = {}
         for name, parameter in self.parameters.items():
             for path in parameter.factors:
@@ -138,6 +137,8 @@ class StudyFile:
             try:
                 chosen = output.chosen(analyses)
                 units[name] = output.check(chosen, signals[chosen.name])
+                if isinstance(output, MassOutput):
+                    output.of_model(model)
             except DeclarationError as error:
                 key = error.problem.partition(":")[0]
                 place: tuple[str, ...] = ("outputs", name, *([key] if hasattr(output, key) else []))
