@@ -149,7 +149,7 @@ class Model:
         """
         if build.n_vectors == 0:
             raise ModelError("the system has no body; add at least one, for example system.add(Plate(...))")
-        _refuse_twins(build.signals)
+        _refuse_names(build.signals, [support.name for support in build.supports])
         return cls(
             q0=np.concatenate([np.concatenate(build.q).reshape(-1), *build.temperatures]),
             v0=np.concatenate([np.concatenate(build.v).reshape(-1), *map(np.zeros_like, build.temperatures)]),
@@ -190,8 +190,12 @@ def _numbered(build: Build) -> tuple[ConstraintBlock, ...]:
     return blocks
 
 
-def _refuse_twins(signals: list[Signal]) -> None:
+def _refuse_names(signals: list[Signal], supports: list[str]) -> None:
+    """Refuse names that result files could not hold, or not tell from each other."""
     names = [signal.name for signal in signals]
+    for name in (*names, *supports):
+        if not name or name.startswith(".") or "/" in name or "\0" in name:
+            raise ModelError(f"{name!r} cannot be recorded; accepted are names that are not empty and hold no '/'")
     for name in names:
         if names.count(name) > 1:
             stem = name.rpartition(".")[0]

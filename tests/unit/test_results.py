@@ -18,7 +18,7 @@ import xarray
 
 import lamella as lm
 from lamella.dofs import Signal
-from lamella.errors import ResultFileError
+from lamella.errors import ModelError, ResultFileError
 from lamella.io.modes import mode_frames, read_modes, write_modes
 from lamella.io.results import ResultWriter, read_result, write_result
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
@@ -391,3 +391,25 @@ def test_run_of_rigid_bodies_is_written_and_read_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read.frame_q, done.frame_q)
     vertices = [result.model.rigid_bodies[1].surface(result.frame_q[-1])[0] for result in (read, done)]
     np.testing.assert_array_equal(*vertices)
+
+
+@pytest.mark.parametrize("name", ["", "left/right", "a\0"])
+def test_names_that_no_file_can_hold_are_refused(name: str) -> None:
+    system, sheet = lm.System(), lm.Laminate(lm.Isotropic(7e10, 0.3, 2700), thickness=1e-3)
+    plate = system.add(lm.Plate("plate", (1, 1), (1, 1), sheet))
+    system.add(lm.Clamp(name, plate.edge("x-")))
+    with pytest.raises(ModelError, match="accepted are names that are not empty and hold no '/'"):
+        system.compile()
+    free = lm.System()
+    free.add(lm.Plate("plate", (1, 1), (1, 1), sheet)).marker(name, 0.5, 0.5)
+    with pytest.raises(ModelError, match="cannot be recorded"):
+        free.compile()
+
+
+def test_result_of_names_that_no_model_file_can_hold_says_so(tmp_path: Path) -> None:
+    system, sheet = lm.System(), lm.Laminate(lm.Isotropic(7e10, 0.3, 2700), thickness=1e-3)
+    plate = system.add(lm.Plate("my plate", (1, 1), (1, 1), sheet))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    lm.equilibrium(system).save(tmp_path / "run.h5")
+    with pytest.raises(ResultFileError, match="Plate 'my plate': a model file cannot hold this name; accepted are letters"):
+        lm.read_result(tmp_path / "run.h5").plate("my plate")

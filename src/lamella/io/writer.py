@@ -14,7 +14,7 @@ from lamella.body.ground import Ground
 from lamella.body.plate import Edge
 from lamella.errors import DeclarationError
 from lamella.io.annotation import field_specs, options, tag_of
-from lamella.io.references import place_of
+from lamella.io.references import NAME, place_of
 from lamella.io.sections import FORMAT
 from lamella.roles import Declaration
 
@@ -40,13 +40,14 @@ def dumps(
         output: what is written besides the result file.
 
     Raises:
-        DeclarationError: a declaration holds something a model file cannot express, such as a Python function.
+        DeclarationError: a declaration holds something a model file cannot express, such as a Python function, or has a name of
+            other signs than letters, digits, _ and -.
     """
     content: dict[str, Any] = {"lamella": FORMAT}
     content |= {key: text for key, text in (("title", title), ("description", description)) if text}
     if system.redundant != "raise":
         content["redundant"] = system.redundant
-    content["system"] = {item.name: _mapping(item, named=True) for item in _items(system)}
+    content["system"] = {_checked(item): _mapping(item, named=True) for item in _items(system)}
     if analyses:
         content["analysis"] = {item.name: _mapping(item, named=True) for item in analyses}
     if output is not None and (written := _mapping(output, tagged=False)):
@@ -58,6 +59,17 @@ def dumps(
     yaml.width = 120
     yaml.dump(content, stream)
     return stream.getvalue()
+
+
+def _checked(item: Declaration) -> str:
+    """The name of an item, which a model file refers to it by."""
+    if not NAME.fullmatch(item.name):
+        raise DeclarationError(
+            f"{type(item).__name__} '{item.name}'",
+            "a model file cannot hold this name",
+            "accepted are letters, digits, _ and -, beginning with a letter",
+        )
+    return item.name
 
 
 def _items(system: System) -> list[Declaration]:
