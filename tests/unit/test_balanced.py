@@ -89,7 +89,11 @@ def test_response_is_exact_for_inputs_that_are_linear_between_the_times(plate):
     u = np.sin(40.0 * t)[:, None]
     _, expected, _ = signal.lsim((plate.A, plate.B, plate.C, plate.D), u, t)
     np.testing.assert_allclose(plate.response(t, u), expected, rtol=1e-8, atol=1e-12)
-    for times, inputs, said in ((t**2, u, "equally spaced"), (t, u[:5], r"accepted are 1 for each of 101 times")):
+    for times, inputs, said in (
+        (t**2, u, "equally spaced"),
+        (t[::-1], u, "two, ascending and equally spaced"),
+        (t, u[:5], r"accepted are 1 for each of 101 times"),
+    ):
         with pytest.raises(DeclarationError, match=said):
             plate.response(times, inputs)
     with pytest.raises(DeclarationError, match="there is no input 'lod'; accepted are load"):
@@ -146,3 +150,9 @@ def test_missing_python_control_is_told(plate, monkeypatch):
     monkeypatch.setitem(sys.modules, "control", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'lamella\[control\]'"):
         plate.to_control()
+
+
+@pytest.mark.parametrize("frequencies", [[], [1.0, float("nan")], 5.0, "5 Hz"])
+def test_frequencies_that_are_none_are_refused(plate, frequencies):
+    with pytest.raises(DeclarationError, match=r"frequency_response: frequencies = .*; accepted is "):
+        plate.frequency_response(frequencies)

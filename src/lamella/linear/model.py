@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.accepted import STATE, SYSTEM
-from lamella.arguments import accepts
+from lamella.arguments import WHOLE, accepts, optional
 from lamella.errors import DeclarationError
 from lamella.linear.basis import all_motions, lowest_motions
 from lamella.linear.inputs import Effect, Inputs, effects
@@ -100,6 +100,7 @@ class LinearModel:
         """Number of values of fields among z."""
         return len(self.steady.size) - self.steady.n_motion
 
+    @accepts(modes=optional(WHOLE))
     def state_space(self, modes: int | None = None, *, static_correction: bool = True) -> StateSpace:
         """The model in first-order form, x' = A x + B u, y = C x + D u, for changes from the steady state.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from lamella.arguments import WHOLE, accepts, numbers
 from lamella.errors import DeclarationError, MissingExtraError, ModelError, ResultFileError
 from lamella.linear.balanced import balanced_truncation
 from lamella.roles import Floats
@@ -76,14 +78,19 @@ class StateSpace:
             raise ModelError("dc_gain: the model has a pole at zero, a constant input gives no steady output")
         return self.D - self.C @ np.linalg.solve(self.A, self.B)
 
+    @accepts(frequencies=numbers("a list of frequencies [Hz]"))
     def frequency_response(self, frequencies: Floats) -> Complexes:
         """Transfer matrix C (i 2 pi f - A)^-1 B + D at frequencies [Hz], shape (n_f, p, m).
 
         Raises:
             ModelError: a pole lies at one of the frequencies.
         """
+        at = np.asarray(frequencies, float)
+        if not len(at) or not np.isfinite(at).all():
+            given = f"frequencies = {reprlib.repr(at.tolist())}"
+            raise DeclarationError("frequency_response", given, "accepted is at least one, and finite ones")
         found, one, B = [], np.eye(self.n_states), self.B.astype(complex)
-        for f in np.asarray(frequencies, float):
+        for f in at:
             try:
                 found.append(self.C @ np.linalg.solve(2j * np.pi * f * one - self.A, B) + self.D)
             except np.linalg.LinAlgError as error:
@@ -101,8 +108,9 @@ class StateSpace:
             Changes of the outputs, shape (n_t, p).
         """
         t, u = np.asarray(t, float), np.asarray(u, float)
-        if t.ndim != 1 or len(t) < 2 or not np.allclose(np.diff(t), t[1] - t[0], rtol=1e-6, atol=0.0):
-            raise DeclarationError("response", f"times of shape {t.shape}", "accepted are at least two, equally spaced")
+        if t.ndim != 1 or len(t) < 2 or not (t[1] > t[0] and np.allclose(np.diff(t), t[1] - t[0], rtol=1e-6, atol=0.0)):
+            given = f"times {reprlib.repr(t.tolist())}"
+            raise DeclarationError("response", given, "accepted are at least two, ascending and equally spaced")
         if u.shape != (len(t), len(self.inputs)):
             raise DeclarationError(
                 "response", f"inputs of shape {u.shape}", f"accepted are {len(self.inputs)} for each of {len(t)} times"
@@ -124,6 +132,7 @@ class StateSpace:
         u[:, self._number(name, self.inputs, "input")] = 1.0
         return self.response(t, u)
 
+    @accepts(order=WHOLE)
     def balanced(self, order: int) -> StateSpace:
         """The model with ``order`` states that balanced truncation leaves; poles that are not stable are all kept.
 

@@ -162,6 +162,7 @@ class Stepping:
         """What happened so far."""
         return list(self._march.watch.happened)
 
+    @accepts(value=NUMBER)
     def set(self, name: str, value: float) -> None:
         """Set an input, which acts from the present time on.
 
@@ -190,12 +191,14 @@ class Stepping:
         value = np.array(signal.evaluate(self._march.state), float)
         return float(np.atleast_1d(value)[found[0][1]]) if name != signal.name or not signal.labels else value
 
+    @accepts(dt=NUMBER)
     def advance(self, dt: float) -> Outcome:
         """Advance by a communication step of dt [s]; see :meth:`advance_to`."""
         if not dt > 0.0:
             raise DeclarationError(ITEM, f"a communication step of {dt} s", "accepted is a positive number")
         return self.advance_to(self.t + dt)
 
+    @accepts(t=NUMBER)
     def advance_to(self, t: float) -> Outcome:
         """Advance to the time t [s].
 
