@@ -18,6 +18,9 @@ from lamella.inertia import vector_mass, whole_mass
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock
 from lamella.state import State
 
+FARTHEST = 1e9
+"""Distance of a body from the origin over its size."""
+
 
 @dataclass(frozen=True)
 class Model:
@@ -150,6 +153,7 @@ class Model:
         if build.n_vectors == 0:
             raise ModelError("the system has no body; add at least one, for example system.add(Plate(...))")
         _refuse_names(build.signals, [support.name for support in build.supports])
+        _refuse_distances(build)
         return cls(
             q0=np.concatenate([np.concatenate(build.q).reshape(-1), *build.temperatures]),
             v0=np.concatenate([np.concatenate(build.v).reshape(-1), *map(np.zeros_like, build.temperatures)]),
@@ -188,6 +192,17 @@ def _numbered(build: Build) -> tuple[ConstraintBlock, ...]:
         block.first = first
         first += block.n_lam
     return blocks
+
+
+def _refuse_distances(build: Build) -> None:
+    """Refuse bodies so far out that their own lengths are lost in the digits of their places."""
+    places, own = np.concatenate(build.q)[np.concatenate(build.is_position)], np.concatenate(build.magnitude)
+    far, owners = np.abs(places).max(axis=1), np.array(build.owners)[np.concatenate(build.is_position)]
+    ratio = far / own[np.concatenate(build.is_position)]
+    worst = int(ratio.argmax())
+    if ratio[worst] > FARTHEST:
+        text = f"body '{owners[worst]}' lies {far[worst]:g} m from the origin, {ratio[worst]:.1g} times its size"
+        raise ModelError(f"{text}; accepted are at most {FARTHEST:g} times")
 
 
 def _refuse_names(signals: list[Signal], supports: list[str]) -> None:

@@ -18,6 +18,9 @@ from pydantic import BeforeValidator, Field
 from lamella.errors import UnitError
 from lamella.remembered import Remembered
 
+LARGEST = {"m": 1e12, "Pa": 1e20, "": 1e30}
+"""Of quantities, by their unit; the last of any other. Beyond all use, and before digits are lost or products overflow."""
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -112,13 +115,18 @@ def in_base_units(unit: str) -> tuple[float, dict[str, float]]:
 
 
 def _validator(unit: str, unlimited: bool) -> BeforeValidator:
+    largest = LARGEST.get(unit, LARGEST[""])
+
     def convert(value: object) -> float:
         if unlimited and isinstance(value, float) and value == math.inf:
             return value
         try:
-            return to_si(value, unit)
+            number = to_si(value, unit)
         except UnitError as error:
             raise ValueError(str(error)) from error
+        if abs(number) > largest:
+            raise ValueError(f"{number} is too large to compute with; accepted is at most {largest:g} {unit}".rstrip())
+        return number
 
     return BeforeValidator(convert, json_schema_input_type=float | str)
 

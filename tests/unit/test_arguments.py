@@ -22,6 +22,12 @@ def strip(elements: int = 1) -> Any:
     return system
 
 
+def far(at: float) -> Any:
+    system = lm.System()
+    system.add(lm.Plate("far", (1.0, 0.1), (1, 1), LAYUP, position=(at, 0, 0)))
+    return system
+
+
 def still(elements: int = 1) -> Any:
     return lm.equilibrium(strip(elements))
 
@@ -63,6 +69,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         "outputs = {'f': 'shape'}; accepted is a mapping of",
     ),
     (lambda: lm.Stepping(other(None), STEPS), "Stepping: system = None; accepted is a System or its compiled model"),
+    (lambda: far(1e10).compile(), r"'far' lies 1e\+10 m from the origin, 1e\+10 times its size"),
 ]
 
 

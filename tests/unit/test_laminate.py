@@ -213,6 +213,10 @@ def test_arrays_cannot_be_changed_and_are_made_once() -> None:
             {"ply": T300, "angles": (0, 90), "thickness": (1, 2, 3)},
             "3 thicknesses for 2 angles; accepted is one thickness per angle",
         ),
+        (
+            {"ply": T300, "thickness": 1e-3, "offset": -2},
+            "offset = -2 m; accepted is at most 1000 times the thickness of 0.001 m",
+        ),
         ({"ply": T300, "thickness": math.nan}, "nan is not finite; accepted is a number in m"),
         ({"ply": T300, "thickness": "2 kg"}, "'2 kg' has the unit kg, which does not convert to m"),
         ({"ply": T300}, "'thickness' is missing; accepted is the total thickness"),

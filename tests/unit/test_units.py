@@ -94,6 +94,9 @@ def test_types_convert_and_hold_their_limits() -> None:
             TypeAdapter(Thickness).validate_python(wrong)
     with pytest.raises(ValidationError, match="less than 2"):
         TypeAdapter(quantity("m", lt=2)).validate_python(2)
+    for kind, large in ((Length, -1e13), (quantity("Pa"), "1e12 GPa"), (NonNegative, 1e100)):
+        with pytest.raises(ValidationError, match=r"is too large to compute with; accepted is at most 1e\+"):
+            TypeAdapter(kind).validate_python(large)
 
 
 def test_types_tell_their_unit() -> None:

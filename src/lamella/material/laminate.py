@@ -30,6 +30,9 @@ from lamella.material.lamina import (
 from lamella.roles import Floats
 from lamella.units import Length, Thickness, quantity
 
+FARTHEST = 1e3
+"""Offset over thickness: farther out bending about the mid-plane is lost in the digits of stretching."""
+
 if TYPE_CHECKING:
     PlyAngle = float
     PlyAngles = tuple[float, ...]
@@ -106,6 +109,8 @@ class Laminate:
                 f"{len(self.thickness)} thicknesses for {len(self.angles)} angles; "
                 "accepted is one thickness per angle, or the total"
             )
+        if abs(self.offset) > FARTHEST * self.h:
+            raise ValueError(f"offset = {self.offset:g} m; accepted is at most {FARTHEST:g} times the thickness of {self.h:g} m")
 
     @cached_property
     def layers(self) -> tuple[Ply, ...]:
