@@ -25,6 +25,9 @@ from lamella.solve.linear import Method, linear_solver
 from lamella.solve.newton import Newton, NewtonSolver
 from lamella.system import System
 
+BALANCED = 1e-6
+"""Force that is unbalanced without load, over the load, below which a start counts as an equilibrium."""
+
 
 def compiled(system: System | Model, imperfection: Floats | None = None) -> Model:
     """The compiled system, with an imperfection when one is given.
@@ -91,6 +94,21 @@ class StaticRun:
         if not self.equations.elimination.moves:  # which are scaled by the load factor, 0 here
             refuse_contradiction(self.equations, self.point, rates=False)
         self.start = changes(self.equations, self.point, self.model.q0, np.zeros(self.model.n_q))
+
+    def relax(self) -> None:
+        """Find the equilibrium without load where the start is none, as that of prestrained plates: a path begins at one.
+
+        Raises:
+            ConvergenceError: there is none.
+        """
+        unbalanced = np.abs(self.equations.residual(self.point)[0]).max()
+        if unbalanced <= BALANCED * np.abs(self.equations.load_direction(self.point)).max():
+            return
+        trial = self.point.copy()
+        report = self.newton.solve(trial, STATIC)
+        if not report.converged:
+            raise ConvergenceError(f"equilibrium_path: there is no equilibrium without load: {report.detail}")
+        self.point = trial
 
     def open(self, start: float, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
         """Prepare to record, from the present point on."""

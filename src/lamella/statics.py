@@ -175,6 +175,8 @@ def equilibrium_path(
         run = StaticRun(system, t, newton, solver, "path", imperfection)
         if branch is not None:
             run.point = _critical(run, branch)
+        else:
+            run.relax()
         run.open(0.0, end, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
         bordered = BorderedNewton(run.equations, run.newton, run.statistics)
 

@@ -220,3 +220,16 @@ def test_interruption_keeps_the_steps_solved():
     assert result.outcome.cause is Cause.INTERRUPTED
     assert 0.4 <= result.outcome.reached <= 0.5
     assert len(sink.closed) == 1
+
+
+def test_a_path_begins_at_the_equilibrium_of_a_prestrained_plate():
+    """Its start is none; the path then ends where load steps do."""
+    section = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=2e-3)
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (0.5, 0.1), (3, 1), section, prestrain=(1e-3, 0, 0)))
+    tip = plate.marker("tip", 0.5, 0.05)
+    system.add(lm.Clamp("root", plate.edge("x-"), kind="restrained"))
+    system.add(lm.PointForce("load", tip, (0, 0, 2.0)))
+    path, still = lm.equilibrium_path(system), lm.equilibrium(system)
+    assert path["tip.position"].values[0, 0] == pytest.approx(0.5 * (1 - 1e-3), rel=2e-5)
+    np.testing.assert_allclose(path["tip.position"].values[-1], still["tip.position"].values, atol=1e-6)
