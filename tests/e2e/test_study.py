@@ -278,6 +278,13 @@ def test_a_model_file_is_no_study_file(here: Command, model: Path) -> None:
     assert "is a model file; 'lamella run" in done.stderr
 
 
+def test_a_study_file_is_no_model_file(here: Command, study: Path) -> None:
+    done = here("run", study)
+    assert done.returncode == 2
+    assert "is a study file; 'lamella study" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize("address", ["nonsense", "foo://here:1", "tcp://127.0.0.1:9"])
 def test_a_cluster_that_cannot_be_reached_is_told(here: Command, study: Path, monkeypatch: pytest.MonkeyPatch, address) -> None:
     monkeypatch.setattr(lamella.sweep.cluster, "TIMEOUT", 0.3)

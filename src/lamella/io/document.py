@@ -274,3 +274,19 @@ def _replaced(data: Any, place: Place, value: Any) -> Any:
         return copy
     source = data if isinstance(data, dict) else {}
     return {**source, key: _replaced(source.get(str(key)), rest, value)}
+
+
+KINDS = {"lamella": ("a model", "run"), "study": ("a study", "study"), "optimize": ("an optimisation", "optimize")}
+"""What a file is by the key of its first line, and the command that runs it."""
+
+
+def refuse_other_kind(document: Document, key: str) -> None:
+    """Refuse a file without the ``key`` of its first line that has the one of another kind.
+
+    Raises:
+        ModelFileError: it has; the message names the command for it.
+    """
+    for other, (name, command) in KINDS.items():
+        if other in document.data:
+            runs = f"'lamella {command} {document.name}' runs it"
+            raise ModelFileError(f"{document.name} is {name} file; {runs}, {KINDS[key][0]} file begins with '{key}: 1'")

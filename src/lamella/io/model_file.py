@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from lamella.errors import ModelFileError
 from lamella.io.analysis import Analysis, Output
-from lamella.io.document import Document, key_path, parsed, plain_value, shown
+from lamella.io.document import Document, key_path, parsed, plain_value, refuse_other_kind, shown
 from lamella.io.reader import FAILED, suggestion
 from lamella.io.references import Items
 from lamella.io.sections import FORMAT, SECTIONS
@@ -103,6 +103,7 @@ def _check_top(document: Document) -> None:
             document.problem((key,), f"there is no section '{key}'{suggestion(key, SECTIONS)}")
     version = data.get("lamella")
     if version is None:
+        refuse_other_kind(document, "lamella")
         document.problem((), f"the line 'lamella: {FORMAT}' is missing, which says that this is a model file and its version")
     elif version != FORMAT or isinstance(version, bool):
         document.problem(("lamella",), f"found version {shown(version)} of the model file; accepted is {FORMAT}")

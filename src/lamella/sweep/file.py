@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeVar
 
 from lamella.errors import LamellaError, ModelFileError
 from lamella.examples import find_model
-from lamella.io.document import Document
+from lamella.io.document import KINDS, Document, refuse_other_kind
 from lamella.io.reader import FAILED, Reader
 
 
@@ -20,9 +20,6 @@ class OfModel(Protocol):
 
 
 Declared = TypeVar("Declared", bound=OfModel)
-
-KINDS = {"lamella": ("a model", "run"), "study": ("a study", "study"), "optimize": ("an optimisation", "optimize")}
-"""What a file is by the key of its first line, and the command that runs it."""
 
 
 def read_declaration(path: str | Path, kind: type[Declared], key: str) -> tuple[Declared, Document]:
@@ -39,12 +36,7 @@ def read_declaration(path: str | Path, kind: type[Declared], key: str) -> tuple[
     document = Document.read(Path(path))
     data: dict[str, Any] = document.data
     if key not in data:
-        for other, (name, command) in KINDS.items():
-            if other in data:
-                raise ModelFileError(
-                    f"{document.name} is {name} file; 'lamella {command} {document.name}' runs it, "
-                    f"{KINDS[key][0]} file begins with '{key}: 1'"
-                )
+        refuse_other_kind(document, key)
         document.problem((), f"the line '{key}: 1' is missing, which says that this is {KINDS[key][0]} file and its version")
     declared = Reader(document, lambda *_: None).declared((kind,), data, ())
     document.check()
