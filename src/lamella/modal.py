@@ -69,7 +69,8 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
 
     Raises:
         DeclarationError: n is not positive or exceeds the number of independent coordinates.
-        ModelError: the system has multipliers whose constraints are redundant, or it spins and no state is given.
+        ModelError: the system has multipliers whose constraints are redundant, it spins and no state is given, or it can move in
+            one way alone.
     """
     model = system.compile() if isinstance(system, System) else system
     if model.spin is not None and state is None:
@@ -79,6 +80,11 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
         )
     equations = Equations(model)
     free = equations.mobility
+    if free < 2:
+        ways = "in one way" if free == 1 else "in no way"
+        raise ModelError(
+            f"modes: the system can move {ways}; accepted are two or more, and linearise(...).state_space().poles() for one"
+        )
     if not 1 <= n <= free - 1:
         raise DeclarationError("modes", f"n = {n}", f"accepted is 1 to {free - 1} for this system")
     point = equations.start(at_rest=True) if state is None else equations.point_of(state, state.t)

@@ -94,6 +94,8 @@ def buckling(system: System | Model, n: int = 1, *, t: float = 0.0, state: State
     exact = all(block.symmetry == "symmetric" for block in (*model.forces, *model.loads))
     equations = Equations(model, symmetric=exact)
     free = equations.mobility
+    if free < 3:
+        raise ModelError(f"buckling: the system has {free} degrees of freedom; accepted are three or more")
     if not 1 <= n <= free - 2:
         raise DeclarationError("buckling", f"n = {n}", f"accepted is 1 to {free - 2} for this system")
     linear = linear_solver(equations.matrix.pattern)

@@ -9,7 +9,7 @@ from scipy import linalg
 import lamella as lm
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, ModelError
 
 SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.02)
 E, RHO, H, L, B = 2e9, 1200.0, 0.01, 1.0, 0.1
@@ -127,3 +127,13 @@ def test_modes_with_multipliers_lie_on_the_constraint():
 def test_impossible_number_of_modes_is_refused(n):
     with pytest.raises(DeclarationError, match=r"modes: n = .*accepted is 1 to"):
         lm.modes(free_plate(1), n)
+
+
+def test_a_mechanism_that_moves_in_one_way_is_told_what_gives_its_frequency():
+    system, ground = lm.System(), lm.Ground()
+    bob = system.add(lm.RigidBody("bob", mass=1.0, inertia=(1.0, 1.0, 1.0)))
+    system.add(lm.RevoluteJoint("pin", ground.origin, bob.origin, axis=(0, 1, 0)))
+    with pytest.raises(ModelError, match=r"can move in one way; accepted are two or more, and linearise"):
+        lm.modes(system, 1)
+    with pytest.raises(ModelError, match="has 1 degrees of freedom; accepted are three or more"):
+        lm.buckling(system, 1)
