@@ -8,6 +8,7 @@ import pytest
 import lamella as lm
 from lamella.errors import ConvergenceError, DeclarationError, ModelError
 from lamella.io.modes import read_modes, write_modes
+from lamella.solve import critical_search
 from lamella.verification.hinged_roofs.case import roof
 
 E, H, L, B = 70e9, 1e-3, 0.4, 0.02
@@ -109,6 +110,20 @@ def test_a_jump_over_several_bifurcations_finds_each():
     found = lm.equilibrium(column()[0], steps=[30 * EULER]).critical_points
     assert [point.negative for point in found] == [(0, 1), (1, 2), (2, 3)]
     np.testing.assert_allclose([point.factor / EULER for point in found], [1, 9, 25], rtol=1e-3)
+
+
+@pytest.mark.parametrize("after_all", [critical_search.AFTER_ALL, 0])
+def test_eigenvalues_that_the_iteration_does_not_find_stop_no_solution(after_all, monkeypatch):
+    """Prestrain has six negative eigenvalues before the first step, two of them too far from zero."""
+    monkeypatch.setattr(critical_search, "AFTER_ALL", after_all)
+    laminate = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=2e-3, offset=1e-3)
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (0.5, 0.1), (3, 1), laminate, prestrain=(-2e-3, 1e-3, 0.0)))
+    system.add(lm.Clamp("root", plate.edge("x-"), kind="restrained"))
+    system.add(lm.PointForce("pull", plate.marker("tip", 0.5, 0.05), (0.0, 0.0, 2.0)))
+    result = lm.equilibrium(system)
+    assert result.outcome.completed
+    assert len(result.critical_points) == (6 if after_all else 4)
 
 
 def test_branches_leave_to_either_side(straight):

@@ -25,8 +25,8 @@ TOLERANCE = 1e-6
 ALONG_LOAD = 1e-4
 """Cosine between null vector and load below which the load does no work on it: a bifurcation. Where the path is located to 1e-6
 it is some 1e-6 there, and of order 0.01 to 1 at a limit point."""
-DENSE = 20
-"""Coordinates up to which eigenvalues are found from the whole inverse."""
+DENSE, AFTER_ALL = 20, 1000
+"""Coordinates up to which eigenvalues are found from the whole inverse, at once and where the iteration does not find them."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +111,8 @@ class CriticalSearch:
                 raise _LostError
             positive = (place.negative == low.negative) == rises
             values, shapes = self._nearest(place.point, positive=positive, count=1)
+            if not len(values):
+                raise _LostError
             seen.append((float(values[0]), place, shapes[:, 0]))
             return float(values[0])
 
@@ -146,7 +148,7 @@ class CriticalSearch:
         self.linear.factorise(k, j)
 
     def _nearest(self, point: Point, *, positive: bool, count: int) -> tuple[Floats, Floats]:
-        """The ``count`` eigenvalues of one sign nearest to zero, with their shapes as columns (n_u, count)."""
+        """The ``count`` eigenvalues of one sign nearest to zero, or those found, with their shapes as columns (n_u, count)."""
         self._factorise(point)
         n, none, w = self.equations.n_u, np.zeros(self.equations.n_lam), self._weights  # W^(1/2)
 
@@ -154,14 +156,21 @@ class CriticalSearch:
             self.statistics.solves += 1
             return w * self.linear.solve(w * np.ravel(x), none)[0]
 
-        if n <= DENSE:
+        def dense() -> tuple[Floats, Floats]:
             values, vectors = np.linalg.eigh(np.column_stack([inverse(column) for column in np.eye(n)]))
             chosen = np.argsort(-values if positive else values)[:count]
-            values, vectors = values[chosen], vectors[:, chosen]
-        else:
+            return values[chosen], vectors[:, chosen]
+
+        def iterated() -> tuple[Floats, Floats]:
             operator: Any = linalg.LinearOperator((n, n), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
             start = inverse(np.random.default_rng(0).standard_normal(n))
-            values, vectors = linalg.eigsh(operator, count, which="LA" if positive else "SA", v0=start)
+            try:
+                found: Any = linalg.eigsh(operator, count, which="LA" if positive else "SA", v0=start)
+                return found
+            except linalg.ArpackNoConvergence as error:  # far from zero their reciprocals are lost among those of the other sign
+                return dense() if n <= AFTER_ALL else (error.eigenvalues, error.eigenvectors)
+
+        values, vectors = dense() if n <= DENSE else iterated()
         return 1.0 / np.asarray(values), np.asarray(vectors) / w[:, None]
 
     def _described(self, place: _Place, behind: int, shape: Floats, at: Callable[[float, Point], float]) -> CriticalPoint:
@@ -201,4 +210,4 @@ def _between(seen: list[tuple[float, _Place, Floats]]) -> Point | None:
 
 
 class _LostError(Exception):
-    """No equilibrium was found on the way."""
+    """No equilibrium was found on the way, or no eigenvalue there."""
