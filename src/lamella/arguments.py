@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import reprlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from numbers import Integral, Real
 from typing import Any, NamedTuple, ParamSpec, TypeVar
@@ -50,6 +50,15 @@ def numbers(words: str) -> Kind:
         return isinstance(value, Iterable) and not isinstance(value, str) and all(map(NUMBER.accepts, value))
 
     return Kind(accepts, words)
+
+
+def sequence(kind: Kind) -> Kind:
+    """A list of values of a kind."""
+
+    def accepts(value: Any) -> bool:
+        return isinstance(value, Sequence) and not isinstance(value, str) and all(map(kind.accepts, value))
+
+    return Kind(accepts, f"a list of {kind.words}")
 
 
 def mapping(kind: Kind) -> Kind:

@@ -11,6 +11,7 @@ import lamella as lm
 from lamella.errors import LamellaError
 
 STEPS: Any = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9)
+STATICS = (lm.Statics("still"),)
 LAYUP = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=2e-3)
 
 
@@ -30,6 +31,17 @@ def far(at: float) -> Any:
 
 def still(elements: int = 1) -> Any:
     return lm.equilibrium(strip(elements))
+
+
+def still_by(analyses: Any = STATICS, output: Any = None) -> Any:
+    """A gradient by the force of a strip."""
+
+    def loaded(force: float) -> lm.System:
+        system = strip()
+        system.add(lm.PointForce("more", system.declarations[0].marker("A", 0.5, 0.0), (0, 0, force)))
+        return system
+
+    return lm.gradient(loaded, {"force": 1.0}, {"mass": output or lm.MassOutput()}, analyses=analyses)
 
 
 def other(value: Any) -> Any:
@@ -68,6 +80,10 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         lambda: lm.gradient("swing", at={}, outputs=other({"f": "shape"})),
         "outputs = {'f': 'shape'}; accepted is a mapping of",
     ),
+    (lambda: still_by(analyses=other(5)), "gradient: analyses = 5; accepted is a list of analyses such as Motion"),
+    (lambda: still_by(analyses=other(lm.Statics("still"))), "analyses = .*; accepted is a list of analyses"),
+    (lambda: still_by(analyses=other([5])), "analyses = .5.; accepted is a list of analyses"),
+    (lambda: still_by(output=lm.MassOutput(body="plate")), "output 'mass': body: there is no body 'plate' with mass"),
     (lambda: lm.Stepping(other(None), STEPS), "Stepping: system = None; accepted is a System or its compiled model"),
     (lambda: far(1e10).compile(), r"'far' lies 1e\+10 m from the origin, 1e\+10 times its size"),
 ]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lamella.arguments import NUMBER, TEXT, accepts, either, instance, mapping, optional
+from lamella.arguments import NUMBER, TEXT, accepts, either, instance, mapping, optional, sequence
 from lamella.assembly.equations import Equations
 from lamella.differentiation.chain import Chain, refuse
 from lamella.differentiation.family import Family, FileFamily, FunctionFamily, Values
@@ -17,7 +17,7 @@ from lamella.errors import DeclarationError
 from lamella.io.analysis import Analysis
 from lamella.result import Sink
 from lamella.roles import Floats
-from lamella.sweep.outputs import StudyOutput, recorded
+from lamella.sweep.outputs import MassOutput, StudyOutput, recorded
 from lamella.sweep.parameter import Parameter, quantity_of
 from lamella.system import System
 
@@ -59,6 +59,7 @@ class Gradient:
 @accepts(
     at=mapping(either(NUMBER, TEXT)),
     outputs=mapping(instance("outputs such as SignalOutput(...)", StudyOutput)),
+    analyses=sequence(instance("analyses such as Motion(...)", Analysis)),
     parameters=optional(mapping(instance("Parameter(...)", Parameter))),
     sizes=optional(mapping(NUMBER)),
 )
@@ -136,6 +137,8 @@ def differentiated(
     for name, output in outputs.items():
         try:
             units[name] = output.check(chosen[name], signals[chosen[name].name])
+            if isinstance(output, MassOutput):
+                output.of_model(model)
         except DeclarationError as error:
             raise DeclarationError(f"output '{name}'", error.problem, error.accepted) from error
     needed = _needed(analyses, chosen)
