@@ -99,6 +99,7 @@ WORK = (
     Work("motion, damping 0.1 ms", 1000, damping=1e-4),
     Work("motion, damping 1 ms", 1000, damping=1e-3),
     Work("motion in the sun, damping 1 ms", 1000, damping=1e-3, lit=True),
+    Work("motion, 24 x 16 elements", 300, (24, 16)),
     Work("motion, 24 x 16 elements, damping 1 ms", 300, (24, 16), 1e-3),
 )
 
