@@ -17,7 +17,7 @@ from lamella.errors import DeclarationError
 from lamella.io.analysis import Analysis
 from lamella.result import Sink
 from lamella.roles import Floats
-from lamella.sweep.outputs import MassOutput, StudyOutput, recorded
+from lamella.sweep.outputs import StudyOutput, recorded
 from lamella.sweep.parameter import Parameter, quantity_of
 from lamella.system import System
 
@@ -136,9 +136,7 @@ def differentiated(
     signals, units = recorded({each.name: each for each in chosen.values()}.values(), equations), {}
     for name, output in outputs.items():
         try:
-            units[name] = output.check(chosen[name], signals[chosen[name].name])
-            if isinstance(output, MassOutput):
-                output.of_model(model)
+            units[name] = output.check(chosen[name], signals[chosen[name].name], model)
         except DeclarationError as error:
             raise DeclarationError(f"output '{name}'", error.problem, error.accepted) from error
     needed = _needed(analyses, chosen)

@@ -20,7 +20,7 @@ from lamella.roles import Floats
 from lamella.study.folder import open_folder
 from lamella.study.interruption import Interruption
 from lamella.study.run import Say, run_model, silent
-from lamella.sweep.outputs import MassOutput, recorded
+from lamella.sweep.outputs import recorded
 from lamella.sweep.table import write_tables
 
 HISTORY, BEST = "history", "best"
@@ -161,9 +161,7 @@ def _checked(source: OptimisationFile, family: FileFamily) -> dict[str, str]:
     for name, output in problem.outputs.items():
         try:
             chosen = output.chosen(analyses)
-            units[name] = output.check(chosen, signals[chosen.name])
-            if isinstance(output, MassOutput):
-                output.of_model(model)
+            units[name] = output.check(chosen, signals[chosen.name], model)
             refuse(chosen, model, {name: output})
         except DeclarationError as error:
             key = error.problem.partition(":")[0]

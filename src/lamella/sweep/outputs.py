@@ -40,12 +40,13 @@ class StudyOutput(ABC):
     analysis: str | None
 
     @abstractmethod
-    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal], model: Model) -> str:
         """Refuse what the analysis does not give; returns the unit.
 
         Args:
             analysis: from which it is taken.
             signals: that the analysis records, by name.
+            model: that the analysis computes with.
 
         Raises:
             DeclarationError: the message says what there is.
@@ -108,7 +109,7 @@ class SignalOutput(StudyOutput):
     def fits(self, analysis: Analysis) -> bool:
         return bool(analysis.axis)
 
-    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal], model: Model) -> str:
         if self.signal not in signals:
             raise DeclarationError("output", f"signal: there is no signal '{self.signal}'{suggestion(self.signal, signals)}")
         found = signals[self.signal]
@@ -185,7 +186,7 @@ class ShapeOutput(StudyOutput):
     def fits(self, analysis: Analysis) -> bool:
         return isinstance(analysis, (NaturalModes, Buckling))
 
-    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal], model: Model) -> str:
         assert isinstance(analysis, (NaturalModes, Buckling))
         if self.number > analysis.count:
             raise DeclarationError("output", f"number = {self.number}", f"analysis '{analysis.name}' computes {analysis.count}")
@@ -218,7 +219,8 @@ class MassOutput(StudyOutput):
         fitting = [analysis for analysis in analyses.values() if self.fits(analysis)]
         return super().chosen(analyses) if self.analysis is not None or not fitting else fitting[0]
 
-    def check(self, analysis: Analysis, signals: Mapping[str, Signal]) -> str:
+    def check(self, analysis: Analysis, signals: Mapping[str, Signal], model: Model) -> str:
+        self.of_model(model)
         return "kg"
 
     def value(self, computed: Computed) -> float:

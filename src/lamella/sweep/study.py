@@ -17,7 +17,7 @@ from lamella.io.document import Document, Place
 from lamella.io.model_file import ModelFile, loads
 from lamella.sweep.designs import Design, Row, design_rows
 from lamella.sweep.file import read_declaration
-from lamella.sweep.outputs import MassOutput, StudyOutput, recorded
+from lamella.sweep.outputs import StudyOutput, recorded
 from lamella.sweep.parameter import Parameter, check_names
 
 TRIED = 10
@@ -136,9 +136,7 @@ class StudyFile:
         for name, output in study.outputs.items():
             try:
                 chosen = output.chosen(analyses)
-                units[name] = output.check(chosen, signals[chosen.name])
-                if isinstance(output, MassOutput):
-                    output.of_model(model)
+                units[name] = output.check(chosen, signals[chosen.name], model)
             except DeclarationError as error:
                 key = error.problem.partition(":")[0]
                 place: tuple[str, ...] = ("outputs", name, *([key] if hasattr(output, key) else []))
