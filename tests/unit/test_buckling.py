@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import ArpackNoConvergence
 
 import lamella as lm
 from lamella.errors import ConvergenceError, DeclarationError, ModelError
@@ -112,10 +113,17 @@ def test_a_jump_over_several_bifurcations_finds_each():
     np.testing.assert_allclose([point.factor / EULER for point in found], [1, 9, 25], rtol=1e-3)
 
 
-@pytest.mark.parametrize("after_all", [critical_search.AFTER_ALL, 0])
-def test_eigenvalues_that_the_iteration_does_not_find_stop_no_solution(after_all, monkeypatch):
-    """Prestrain has six negative eigenvalues before the first step, two of them too far from zero."""
-    monkeypatch.setattr(critical_search, "AFTER_ALL", after_all)
+@pytest.mark.parametrize("found", [6, 4, 0])
+def test_eigenvalues_that_the_iteration_does_not_find_stop_no_solution(found, monkeypatch):
+    """Prestrain has six negative eigenvalues before the first step, two of them too far from zero: those of a small model are
+    found from the whole inverse, of others what the iteration has found is told."""
+    if found < 6:
+
+        def gives_up(operator, count, **how):
+            raise ArpackNoConvergence("too far", np.full(found, -1.0), np.ones((operator.shape[0], found)))
+
+        monkeypatch.setattr(critical_search.linalg, "eigsh", gives_up)
+        monkeypatch.setattr(critical_search, "AFTER_ALL", 0)
     laminate = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=2e-3, offset=1e-3)
     system = lm.System()
     plate = system.add(lm.Plate("plate", (0.5, 0.1), (3, 1), laminate, prestrain=(-2e-3, 1e-3, 0.0)))
@@ -123,7 +131,7 @@ def test_eigenvalues_that_the_iteration_does_not_find_stop_no_solution(after_all
     system.add(lm.PointForce("pull", plate.marker("tip", 0.5, 0.05), (0.0, 0.0, 2.0)))
     result = lm.equilibrium(system)
     assert result.outcome.completed
-    assert len(result.critical_points) == (6 if after_all else 4)
+    assert len(result.critical_points) == found
 
 
 def test_branches_leave_to_either_side(straight):
