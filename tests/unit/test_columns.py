@@ -13,7 +13,7 @@ from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.lane import WIDTH
 from lamella.roles import Floats
-from lamella.solve import front_columns, schedule
+from lamella.solve import front_columns, panels
 from lamella.solve.linear import linear_solver
 from lamella.solve.multifrontal import SEVERAL, Multifrontal
 from lamella.solve.turned import TurnedSolver, Vectors
@@ -58,22 +58,22 @@ def test_one_reading_serves_several(monkeypatch: pytest.MonkeyPatch) -> None:
         assert sum(passes) == readings * n_fronts
 
 
-def test_threads_change_no_bit_of_columns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(threads, "WORTHWHILE", 0.0)
-    monkeypatch.setattr(schedule, "HANDED_OUT", 0.0)
-    monkeypatch.setattr(schedule, "SAVED", 1.0)
+@pytest.mark.usefixtures("always_cut")
+@pytest.mark.parametrize("short", [False, True])
+def test_threads_change_no_bit_of_columns(short: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(panels, "SHORTENED", 0)
     pattern, values, _ = pattern_of(plate_like(9, 9))
     r, found = np.random.default_rng(2).standard_normal((pattern.n, 6)), []
-    try:
-        for count in (1, 2):
-            threads.use(count)
-            factor = Multifrontal(pattern)
-            assert factor._plan.solves == (count == 2)
-            factor.factorise(values)
-            found.append(factor.solve(r))
-    finally:
-        threads.use(None)
-    np.testing.assert_array_equal(*found)
+    for count in (1, 2):
+        threads.use(count)
+        factor = Multifrontal(pattern)
+        assert factor._plan.solves == (count == 2)
+        factor.factorise(values)
+        if short:
+            factor.shorten()
+        found.append((factor.solve(r), factor.solve(r[:, 0])))
+    for one, same in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, same)
 
 
 @pytest.mark.parametrize("kind", ["definite", "multipliers", "indefinite", "null space"])

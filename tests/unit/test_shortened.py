@@ -7,14 +7,13 @@ import pytest
 from test_linear import constraints, indefinite, pattern_of, plate_like
 
 import lamella as lm
-from lamella import threads
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.lane import WIDTH
 from lamella.roles import Floats
-from lamella.solve import panels, schedule
+from lamella.solve import panels
 from lamella.solve.linear import linear_solver
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.turned import TurnedSolver, Vectors
@@ -122,26 +121,6 @@ def test_what_turns_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
     (at_first, turned), (same, short) = found
     np.testing.assert_array_equal(same, at_first)
     assert 0.0 < off(short, turned) < SINGLE
-
-
-def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch, any_size: None) -> None:
-    monkeypatch.setattr(threads, "WORTHWHILE", 0.0)
-    monkeypatch.setattr(schedule, "HANDED_OUT", 0.0)
-    monkeypatch.setattr(schedule, "SAVED", 1.0)
-    pattern, values, _ = pattern_of(plate_like(9, 9))
-    r, found = np.sin(np.arange(pattern.n)), []
-    try:
-        for count in (1, 2):
-            threads.use(count)
-            factor = Multifrontal(pattern)
-            assert factor._plan.solves == (count == 2)
-            factor.factorise(values)
-            factor.shorten()
-            found.append((factor.solve(r), factor.solve(np.stack([r, -r, r**2], axis=1))))
-    finally:
-        threads.use(None)
-    for one, same in zip(*found, strict=True):
-        np.testing.assert_array_equal(one, same)
 
 
 def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatch: pytest.MonkeyPatch) -> None:

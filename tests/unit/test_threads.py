@@ -20,7 +20,6 @@ from lamella.element.plate48.layout import seen
 from lamella.errors import ModelError
 from lamella.lane import WIDTH, aligned
 from lamella.result import Result
-from lamella.solve import schedule
 from lamella.solve.layout import layout_of
 from lamella.solve.multifrontal import Multifrontal
 from lamella.solve.schedule import Schedule, row_ranges
@@ -35,15 +34,6 @@ SHEET = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700.0, alpha=2e-5, k=200.0
 def number_is_restored() -> Iterator[None]:
     yield
     threads.use(None)
-
-
-@pytest.fixture
-def always_cut(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Small meshes are cut like large ones."""
-    monkeypatch.setattr(threads, "WORTHWHILE", 0.0)
-    monkeypatch.setattr(threads, "SHORTEST", 1e-6)
-    monkeypatch.setattr(schedule, "HANDED_OUT", 0.0)
-    monkeypatch.setattr(schedule, "SAVED", 1.0)
 
 
 def damped(element: str) -> lm.System:
