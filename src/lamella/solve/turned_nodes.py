@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamella._jit import kernel
-from lamella.lane import sqrt
+from lamella.lane import number_at, put_at, sqrt
 from lamella.roles import Floats, Ints
 from lamella.solve.base import LinearSolver
 from lamella.solve.turned import Nodes, TurnedSolver, Vectors
@@ -16,12 +16,49 @@ that swing or unfold cost up to a third less; above, one of 1.5 mm that is struc
 costs a tenth more."""
 
 
+class NodeTurns:
+    """The rotations Q = diag(R_k, ..., 1) of the nodes of plates from one place to another, R_k = F_k' F_k^T with the frames
+    F = (t, m x t, m) of the nodes' normals m and of the bisectors t of their slopes.
+
+    Args:
+        nodes: where they stand.
+    """
+
+    def __init__(self, nodes: Nodes) -> None:
+        self._nodes = nodes
+        self._start, self._frames, self._turns, self._returns = np.zeros((4, len(nodes.slopes), 3, 3))
+
+    def begin(self, u: Floats) -> None:
+        """Take the independent coordinates of the first place."""
+        _frames(u, self._nodes.slopes, self._start)
+
+    def turn(self, u: Floats) -> float:
+        """Take those of the second one; how far the nodes have turned against each other [rad], entry by entry of R_k."""
+        _frames(u, self._nodes.slopes, self._frames)
+        apart = _between(self._start, self._frames, self._turns)
+        self._returns[:] = self._turns.transpose(0, 2, 1)
+        return apart
+
+    def forth(self, x: Floats) -> Floats:
+        """Q x."""
+        return self._turned(self._turns, x)
+
+    def back(self, x: Floats) -> Floats:
+        """Q^T x."""
+        return self._turned(self._returns, x)
+
+    def _turned(self, turns: Floats, x: Floats) -> Floats:
+        there = np.empty_like(x)
+        _turn(turns, self._nodes.places, self._nodes.owners, x, there)
+        return there
+
+
 class NodeTurnedSolver(TurnedSolver):
     """A solver whose factorisation of A(u), seen from axes that turn with each node of the plates, serves for A(u') too:
 
-        A(u')^-1 = Q A(u)^-1 Q^T,    Q = diag(R_k, ..., 1),    R_k = F_k' F_k^T
+        A(u')^-1 = Q A(u)^-1 Q^T
 
-    with the frames F = (t, m x t, m) of the nodes' normals m and of the bisectors t of their slopes. Where the structure turns as
+    with the rotations Q of the nodes from u to u' (:class:`NodeTurns`). Where the structure turns as
     a whole this is a :class:`TurnedSolver`; where it bends, Q takes from A the error of first order in the
     angles, which the membrane, stiff beside the bending, magnifies. A displacement of all nodes is not one of the old matrix any
     more, to second order in how they turn against each other: beyond ``APART`` they turn together again.
@@ -34,8 +71,7 @@ class NodeTurnedSolver(TurnedSolver):
 
     def __init__(self, linear: LinearSolver, vectors: Vectors, nodes: Nodes) -> None:
         super().__init__(linear, vectors)
-        self._nodes, self._by_nodes, self._apart = nodes, False, APART / max(nodes.slenderness, 1.0)
-        self._start, self._frames, self._turns, self._returns = np.zeros((4, len(nodes.slopes), 3, 3))
+        self._turns, self._by_nodes, self._apart = NodeTurns(nodes), False, APART / max(nodes.slenderness, 1.0)
 
     def factorise(self, k: Floats, j: Floats) -> None:
         """Factorise the matrix; see :meth:`made_at`."""
@@ -45,29 +81,23 @@ class NodeTurnedSolver(TurnedSolver):
     def made_at(self, u: Floats) -> None:
         """Take note of the independent coordinates at which the present factorisation was made."""
         super().made_at(u)
-        _frames(u, self._nodes.slopes, self._start)
+        self._turns.begin(u)
         self._by_nodes = False
 
     def turn(self, u: Floats) -> None:
         """Turn the factorisation, whose place is known, to the independent coordinates ``u``."""
-        _frames(u, self._nodes.slopes, self._frames)
-        self._by_nodes = _between(self._start, self._frames, self._turns) <= self._apart
+        self._by_nodes = self._turns.turn(u) <= self._apart
         if self._by_nodes:
-            self._returns[:], self._turned = self._turns.transpose(0, 2, 1), True
+            self._turned = True
             self.linear.shorten()
         else:
             super().turn(u)
 
     def _back_to_old(self, r: Floats) -> Floats:
-        return self._turned_by(self._returns, r) if self._by_nodes else super()._back_to_old(r)
+        return self._turns.back(r) if self._by_nodes else super()._back_to_old(r)
 
     def _to_new(self, x: Floats) -> Floats:
-        return self._turned_by(self._turns, x) if self._by_nodes else super()._to_new(x)
-
-    def _turned_by(self, turns: Floats, x: Floats) -> Floats:
-        there = np.empty_like(x)
-        _turn(turns, self._nodes.places, self._nodes.owners, x, there)
-        return there
+        return self._turns.forth(x) if self._by_nodes else super()._to_new(x)
 
 
 def turned_solver(linear: LinearSolver, vectors: Vectors) -> TurnedSolver | None:
@@ -112,6 +142,8 @@ def _turn(turns: Floats, places: Ints, owners: Ints, x: Floats, y: Floats) -> No
     for i in range(len(x)):
         y[i] = x[i]
     for k in range(len(places)):
-        i, n = places[k], owners[k]
-        for c in range(3):
-            y[i + c] = turns[n, c, 0] * x[i] + turns[n, c, 1] * x[i + 1] + turns[n, c, 2] * x[i + 2]
+        i, n = number_at(places, k), 9 * number_at(owners, k)
+        a, b, c = number_at(x, i), number_at(x, i + 1), number_at(x, i + 2)
+        put_at(y, i, number_at(turns, n) * a + number_at(turns, n + 1) * b + number_at(turns, n + 2) * c)
+        put_at(y, i + 1, number_at(turns, n + 3) * a + number_at(turns, n + 4) * b + number_at(turns, n + 5) * c)
+        put_at(y, i + 2, number_at(turns, n + 6) * a + number_at(turns, n + 7) * b + number_at(turns, n + 8) * c)
