@@ -30,6 +30,8 @@ from lamella.motion import March, consistent_start, refuse_spin
 from lamella.result import Recorder, Result, Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
+from lamella.solve.turned import Nodes
+from lamella.solve.turned_nodes import NodeTurns
 from lamella.state import State
 
 SHARE = 0.1
@@ -109,8 +111,10 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     u' (:func:`~lamella.differentiation.solution.residual_difference`). It is solved to a tenth of the tolerance of Newton's
     method, or without damping to all of it: the error in u' moves a derivative by more. Steps keep the lengths that they have.
     What the estimate by constant acceleration was off by in the last steps tells how far it is off now, where motion is damped
-    (:class:`~lamella.differentiation.prediction.Prediction`). Newton's method goes on with a matrix that the derivatives have
-    factorised; where they do with its own, the run is the same to the last digit.
+    (:class:`~lamella.differentiation.prediction.Prediction`). Where it is not, the derivative by a parameter that moves places
+    begins with that of the start, turned with the nodes of the plates: a length stretches the membrane wherever it is. Newton's
+    method goes on with a matrix that the derivatives have factorised; where they do with its own, the run is the same to the last
+    digit.
     """
 
     def __init__(self, made: DifferentiatedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
@@ -126,6 +130,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         newton.patience = int(self.linear.pattern.symmetric and equations.is_exact)  # undamped, derivatives renew the matrix
         self.derivatives: list[PointDerivative] = []
         self._predictions = [Prediction(equations.magnitude) for _ in self.neighbours]
+        self._turns = None if equations.n_lam else NodeTurns(Nodes(equations))
+        self._at_first: list[Floats | None] = []
 
     def restart(self, point: Point) -> None:
         """As the method does; at the start of a run the derivatives are those of the initial state."""
@@ -149,6 +155,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         for rule, each in zip(self._rules, self.derivatives, strict=True):
             rule.restart(each.ud[self.n :])
         if first:
+            self._at_first = [each.u if each.u.any() else None for each in self.derivatives]
+            if self._turns is not None:
+                self._turns.begin(point.u)
             self._take_note(point)
 
     def accept(self) -> Point:
@@ -174,8 +183,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         unsteady = all(prediction.unsteady for prediction in self._predictions)
         self.matrix.enough = self._tolerance if unsteady else SHARE * self._tolerance
         changes, rates = [], []
-        for each, old, a, rule, prediction in zip(
-            self.neighbours, self.derivatives, self._algorithmic, self._rules, self._predictions, strict=True
+        for k, (each, old, a, rule) in enumerate(
+            zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
         ):
             base, ud0, udd0 = np.empty_like(a), np.empty_like(a), np.empty_like(a)
             _carried(old.u, old.ud, old.udd, a, *shares, base, ud0, udd0)
@@ -183,7 +192,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
                 value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
                 ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
             dr, ds = residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam))
-            changes.append((dr, ds, prediction.guess(base)))
+            changes.append((dr, ds, self._guess(k, base, point)))
             rates.append((base, ud0, udd0))
         for k, ((du, dlam), (base, ud, udd)) in enumerate(zip(self.matrix.solve_each(changes), rates, strict=True)):
             self._predictions[k].learn(base, du)
@@ -196,6 +205,14 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             self._adopt(self.matrix.renewed, point, weights)
         self._take_note(point)
         return point
+
+    def _guess(self, k: int, estimate: Floats, point: Point) -> Floats | None:
+        """What the derivative by parameter number k may be near to, if known."""
+        guess, at_first = self._predictions[k].guess(estimate), self._at_first[k]
+        if guess is None and at_first is not None and self._turns is not None:
+            self._turns.turn(point.u)
+            guess = self._turns.forth(at_first)
+        return guess
 
     def _take_note(self, point: Point) -> None:
         self.sample(point, self.derivatives)
