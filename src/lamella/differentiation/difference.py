@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain, compress, islice
 
 import numpy as np
@@ -70,9 +71,7 @@ class PartDifference:
     """
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
-        self._base, equations = base, [side.equations for side in sides]
-        same_mass = all(alike(there.model.inertias, base.model.inertias) or there.mass.as_like for there in equations)
-        self._mass = None if same_mass else _MassDifference(base, sides)
+        self._base, self._sides, equations = base, sides, [side.equations for side in sides]
         self._forces = _Parts(base, base.forces, sides, [there.forces for there in equations])
         self._loads = _Parts(base, base.loads, sides, [there.loads for there in equations])
 
@@ -88,9 +87,17 @@ class PartDifference:
         self._forces.add(point.t, q, v, dv, r)
         if dudd is not None:
             base.inertia_force(dudd, onto=r)
-        if self._mass is not None and not point.at_rest:
+        if not point.at_rest and self._mass is not None:
             self._mass.add_force(point, r)
         return r, np.zeros(len(point.lam))
+
+    @cached_property
+    def _mass(self) -> _MassDifference | None:
+        """The difference of the masses, if there is one; nothing at rest needs it, and it takes a good part of the time there."""
+        base = self._base
+        others = [side.equations for side in self._sides]
+        same = all(alike(there.model.inertias, base.model.inertias) or there.mass.as_like for there in others)
+        return None if same else _MassDifference(base, self._sides)
 
 
 class _MassDifference:
