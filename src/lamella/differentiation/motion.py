@@ -130,7 +130,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         newton.patience = int(self.linear.pattern.symmetric and equations.is_exact)  # undamped, derivatives renew the matrix
         self.derivatives: list[PointDerivative] = []
         self._predictions = [Prediction(equations.magnitude) for _ in self.neighbours]
-        self._turns = None if equations.n_lam else NodeTurns(Nodes(equations))
+        nodes = None if equations.n_lam else Nodes(equations)
+        self._turns = NodeTurns(nodes) if nodes is not None and len(nodes.slopes) else None
         self._at_first: list[Floats | None] = []
 
     def restart(self, point: Point) -> None:
