@@ -9,6 +9,7 @@ from pathlib import Path
 from lamella.errors import ModelFileError, ResultFileError
 from lamella.io.results import read_result
 from lamella.io.stored_result import StoredResult
+from lamella.io.whole import write_text
 from lamella.study.folder import PICTURES, result_path
 from lamella.study.outputs import write_animation, write_pictures, write_run_report, write_signals
 
@@ -68,8 +69,5 @@ def _write_vtkhdf(result: StoredResult, path: Path) -> list[Path]:
 def _write_model(result: StoredResult, path: Path) -> list[Path]:
     if not result.model_text:
         raise ModelFileError(f"'{result.path}' holds no model; accepted is the result of a model that can be written as a file")
-    try:
-        path.write_text(result.model_text, encoding="utf-8")
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+    write_text(path, result.model_text)
     return [path]

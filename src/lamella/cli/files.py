@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.examples import example, examples
+from lamella.io.whole import write_text
 from lamella.templates import template, templates
 
 SCHEMA_LINE = "# yaml-language-server: $schema="
@@ -36,10 +37,10 @@ def write_template(name: str, template_name: str) -> None:
     text = template(template_name)
     if path.exists():
         raise ResultFileError(f"'{path}' exists already; choose another name")
-    _write(path, f"{SCHEMA_LINE}{SCHEMA_NAME}\n{text}")
+    write_text(path, f"{SCHEMA_LINE}{SCHEMA_NAME}\n{text}")
     schema = path.with_name(SCHEMA_NAME)
     if not schema.exists():
-        _write(schema, _schema_text())
+        write_text(schema, _schema_text())
     print(f"wrote {path} ('lamella run {path}' runs it) and {schema} (completion and checks in editors)")
 
 
@@ -60,7 +61,7 @@ def write_schema(out: Path | None, kind: str = "model") -> None:
     if out is None:
         print(text, end="")
     else:
-        _write(out, text)
+        write_text(out, text)
         print(f"wrote {out}")
 
 
@@ -78,13 +79,6 @@ def _schema_text(kind: str = "model") -> str:
     else:
         raise DeclarationError("lamella schema", f"--of {kind}", f"accepted is {', '.join(KINDS)}")
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
 
 
 def _print_table(title: str, rows: dict[str, str]) -> None:

@@ -14,7 +14,6 @@ The file is HDF5 with the layout of netCDF-4, like result files:
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +22,7 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_unfit
+from lamella.io.whole import replaced_hdf5
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.shapes import Shapes
@@ -48,22 +48,17 @@ def write_modes(modes: Shapes, path: str | Path, *, model_text: str | None = Non
     Raises:
         ResultFileError: ``path`` is another kind of file, or cannot be written.
     """
-    import h5py
-
     path = Path(path)
     refuse_unfit(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with h5py.File(partial, "w", track_order=True) as file:
+        with replaced_hdf5(path, track_order=True) as file:
             text = _text(modes) if model_text is None else model_text
             file.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "title": title, "model": text}))
             file.attrs.update(plain(origin()))
             _write(file, modes)
-        os.replace(partial, path)
     except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
-    finally:
-        partial.unlink(missing_ok=True)
+        text = f"'{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
+        raise ResultFileError(text) from error
     return path
 
 

@@ -12,7 +12,6 @@ Source: VTK documentation, VTKHDF format specification, version 2, "Temporal Uns
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +20,7 @@ import numpy as np
 
 from lamella.errors import ResultFileError
 from lamella.io.result_layout import Node, refuse_unfit
+from lamella.io.whole import replaced_hdf5
 from lamella.roles import Floats, Ints
 from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
@@ -49,8 +49,6 @@ def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fiel
     Raises:
         ResultFileError: the result has no frame or nothing to draw, a field is not available, or the file cannot be written.
     """
-    import h5py
-
     path = Path(path)
     refuse_unfit(path)
     chosen = _choose(result, fields)
@@ -58,15 +56,12 @@ def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fiel
         raise ResultFileError(
             f"'{path}': the result has no frame of a plate or of a body with a shape; accepted is a run that got beyond its start"
         )
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with h5py.File(partial, "w") as file:
+        with replaced_hdf5(path) as file:
             _write(file.create_group("VTKHDF"), result, per_element, chosen)
-        os.replace(partial, path)
     except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
-    finally:
-        partial.unlink(missing_ok=True)
+        text = f"'{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
+        raise ResultFileError(text) from error
     return path
 
 

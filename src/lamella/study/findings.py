@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from lamella.errors import ResultFileError
+from lamella.io.whole import write_text
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,7 @@ def write_findings(findings: Iterable[Finding], path: Path) -> Path:
     Raises:
         ResultFileError: the file cannot be written.
     """
-    try:
-        path.write_text(
-            json.dumps([asdict(finding) for finding in findings], indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
-        )
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+    write_text(path, json.dumps([asdict(finding) for finding in findings], indent=2, ensure_ascii=False) + "\n")
     return path
 
 

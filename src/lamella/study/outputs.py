@@ -13,6 +13,7 @@ from lamella.errors import ResultFileError
 from lamella.io.analysis import Analysis, Output, shape_table
 from lamella.io.model_file import ModelFile
 from lamella.io.modes import mode_frames, natural_amplitude, write_modes
+from lamella.io.whole import replaced
 from lamella.model import Model
 from lamella.result import Result
 from lamella.shapes import Shapes
@@ -246,7 +247,7 @@ def write_values(modes: Shapes, path: Path) -> Path:
 
 
 def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: bool = False) -> Path:
-    """Write a table as CSV.
+    """Write a table as CSV, whole or not at all.
 
     Args:
         path: file to write.
@@ -258,7 +259,7 @@ def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[objec
         ResultFileError: it cannot be written.
     """
     try:
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with replaced(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(heading)
             if numbers:

@@ -12,6 +12,7 @@ from lamella.errors import ConvergenceError, LamellaError, ModelFileError, Resul
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
 from lamella.io.results import ResultWriter
+from lamella.io.whole import write_text
 from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.progress import ProgressBar
@@ -88,7 +89,8 @@ def run_model(
             with swept(place):
                 place.mkdir(exist_ok=True)
                 done = _run_analysis(model_file, text, model, analysis, earlier, place, progress)
-                _write_text(place / MODEL, text, done)
+                write_text(place / MODEL, text)
+                done.files.append(place / MODEL)
             finished.append(done)
             if isinstance(done.computed, StateSpace):
                 done.files.extend(write_linear_outputs(model_file, done.computed, model, place, pictures))
@@ -136,14 +138,6 @@ def _run_analysis(
         raise
     failure = str(computed.outcome) if isinstance(computed, Result) and not computed.outcome.completed else ""
     return Finished(analysis, computed, files, failure)
-
-
-def _write_text(path: Path, text: str, done: Finished) -> None:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
-    done.files.append(path)
 
 
 def _raise_failure(done: Finished, folder: Path) -> None:

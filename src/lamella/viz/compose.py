@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamella.errors import MissingExtraError, ResultFileError
+from lamella.io.whole import replaced
 from lamella.viz.camera import Camera
 from lamella.viz.renderer import ColourScale, Picture
 from lamella.viz.style import save_figure, styled
@@ -120,9 +121,9 @@ def save_gif(pictures: Iterable[Picture], path: Path, seconds: float) -> Path:
     drawn = list(pictures)
     palette = _palette(drawn)
     frames = [Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE) for picture in drawn]
-    with _writing(path):
+    with _writing(path), replaced(path) as partial:
         options = {"save_all": True, "append_images": frames[1:], "loop": 0, "optimize": False}
-        frames[0].save(path, format="GIF", duration=max(20, 10 * round(100 * seconds)), **options)
+        frames[0].save(partial, format="GIF", duration=max(20, 10 * round(100 * seconds)), **options)
     return path
 
 
@@ -175,6 +176,5 @@ def _writing(path: Path) -> Any:
     try:
         yield
     except OSError as error:
-        raise ResultFileError(
-            f"animation '{path}' cannot be written: {error}; accepted is a file in a writable folder"
-        ) from error
+        text = f"animation '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
+        raise ResultFileError(text) from error

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import os
 import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
+from lamella.io.whole import replaced
 from lamella.viz.style import styled
 
 if TYPE_CHECKING:
@@ -45,17 +45,15 @@ def render_page(template: str, **content: Any) -> str:
 
 
 def write_page(path: Path, text: str, what: str = "report") -> Path:
-    """Write a page beside its place and move it there when it is whole.
+    """Write a page, whole or not at all.
 
     Raises:
         ResultFileError: it cannot be written.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        partial.write_text(text, encoding="utf-8")
-        os.replace(partial, path)
+        with replaced(path) as partial:
+            partial.write_text(text, encoding="utf-8")
     except OSError as error:
-        partial.unlink(missing_ok=True)
         raise _unwritable(path, what, error) from error
     return path
 

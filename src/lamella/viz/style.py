@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lamella.errors import ResultFileError
+from lamella.io.whole import replaced
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -109,21 +110,26 @@ def save_figure(figure: Figure, path: str | Path, dpi: int = RC["savefig.dpi"], 
         ResultFileError: the suffix is not known or the file cannot be written.
     """
     path = Path(path)
-    formats = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    if path.suffix.lower() not in formats:
+    formats: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    kind = path.suffix.lower()
+    if kind not in formats:
         raise ResultFileError(f"figure '{path}': unknown suffix '{path.suffix}'; accepted are {', '.join(formats)}")
     try:
+        drawn = io.BytesIO()  # where a disk is full, the writer of PDF fails with what hides the cause
         with styled():
-            if path.suffix.lower() == ".png":
-                _save_png(figure, path, dpi, colours)
+            if kind == ".png":
+                _save_png(figure, drawn, dpi, colours)
             else:
-                figure.savefig(path, metadata=formats[path.suffix.lower()])
+                figure.savefig(drawn, format=kind[1:], metadata=formats[kind])
+        with replaced(path) as partial:
+            partial.write_bytes(drawn.getvalue())
     except OSError as error:
-        raise ResultFileError(f"figure '{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
+        text = f"figure '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
+        raise ResultFileError(text) from error
     return path
 
 
-def _save_png(figure: Figure, path: Path, dpi: int, colours: int | None) -> None:
+def _save_png(figure: Figure, file: io.BytesIO, dpi: int, colours: int | None) -> None:
     from PIL import Image
 
     drawn = io.BytesIO()
@@ -132,4 +138,4 @@ def _save_png(figure: Figure, path: Path, dpi: int, colours: int | None) -> None
     picture = Image.frombytes("RGBA", (width, height), drawn.getvalue()).convert("RGB")
     if colours is not None:
         picture = picture.quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    picture.save(path, format="PNG", optimize=True, dpi=(dpi, dpi))
+    picture.save(file, format="PNG", optimize=True, dpi=(dpi, dpi))
