@@ -15,6 +15,7 @@ import lamella as lm
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.modes import write_modes
+from lamella.io.results import ResultWriter
 from lamella.io.vtk import write_vtkhdf
 from lamella.io.whole import replaced, replaced_hdf5, write_text
 from lamella.modal import Modes
@@ -26,7 +27,7 @@ from lamella.viz.page import write_page
 from lamella.viz.plots import plot_signals
 from lamella.viz.style import save_figure
 
-FILES = ("a.vtkhdf", "modes.h5", "a.png", "a.svg", "a.pdf", "a.gif", "a.csv", "a.html")
+FILES = ("a.vtkhdf", "modes.h5", "run.h5", "saved.h5", "a.png", "a.svg", "a.pdf", "a.gif", "a.csv", "a.html")
 
 
 def write(name: str) -> None:
@@ -50,6 +51,10 @@ def write(name: str) -> None:
         write_vtkhdf(result, path)
     elif name == "modes.h5":
         write_modes(Modes(model, np.ones(3), random.random((model.n_q, 3)), model.q0), path)
+    elif name == "run.h5":
+        ResultWriter(path, [height], "time", model.n_q)
+    elif name == "saved.h5":
+        result.save(path)
     elif path.suffix == ".gif":
         save_gif(random.integers(0, 255, (3, 90, 90, 3), np.uint8), path, 0.1)
     elif path.suffix == ".csv":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
@@ -31,8 +32,8 @@ VECTOR = ("x", "y", "z")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def create_file(path: Path, overwrite: bool) -> Node:
-    """Create an empty result file; an existing one is replaced only with ``overwrite``.
+def create_file(path: Path, overwrite: bool, shown: str | Path) -> Node:
+    """Create an empty result file, which messages call ``shown``; an existing one is replaced only with ``overwrite``.
 
     Raises:
         ResultFileError: the file exists, is not a result file, or its folder cannot be written.
@@ -46,8 +47,12 @@ def create_file(path: Path, overwrite: bool) -> Node:
         path.unlink(missing_ok=True)
         return h5py.File(path, "x", track_order=True, locking=False)  # unlocked: others may look at the running file
     except OSError as error:
-        accepted = "accepted is a file in a writable folder"
-        raise ResultFileError(f"result file '{path}' cannot be created: {error}; {accepted}") from error
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)  # HDF5 leaves an empty one where the disk is full
+        why = os.strerror(error.errno) if error.errno else error  # HDF5's own text has addresses in it
+        raise ResultFileError(
+            f"result file '{shown}' cannot be created: {why}; accepted is a file in a writable folder"
+        ) from error
 
 
 def refuse_unfit(path: Path) -> None:

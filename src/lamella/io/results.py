@@ -47,6 +47,7 @@ from lamella.io.result_layout import (
     write_start,
 )
 from lamella.io.stored_result import StoredResult, read_result
+from lamella.io.whole import replaced
 from lamella.result import Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
@@ -72,9 +73,10 @@ class ResultWriter:
         overwrite: replace an existing result file.
         flush_seconds: longest time between two flushes [s], which is what a killed run loses at most.
         imperfection: what is added to the stress-free geometry of the model, shape (n_q,).
+        shown: what messages call the file, its path when left out.
 
     Raises:
-        ResultFileError: the file exists, or cannot be created or written.
+        ResultFileError: the file exists, or cannot be created or written; none is left then.
     """
 
     def __init__(
@@ -91,8 +93,10 @@ class ResultWriter:
         overwrite: bool = False,
         flush_seconds: float = 2.0,
         imperfection: Floats | None = None,
+        shown: str | Path | None = None,
     ) -> None:
         self.path = Path(path)
+        self._shown = self.path if shown is None else shown
         self._signals, self._axis, self._n_q = tuple(signals), axis, n_q
         self._at: list[float] = []
         self._rows: list[Sequence[Floats]] = []
@@ -101,12 +105,16 @@ class ResultWriter:
         self._frame_v: list[Floats] = []
         self._flush_seconds, self._flushed = flush_seconds, time.monotonic()
         self._failed = self._damaged = False
-        self._file = create_file(self.path, overwrite)
+        self._file = create_file(self.path, overwrite, self._shown)
         self._signal_rows: dict[str, Node] = {}
         self._frame_rows: dict[str, Node] = {}
-        self._burst(lambda: self._lay_out((model_text, model_missing), title, target), _MARGIN + len(model_text))
-        if imperfection is not None:
-            self._burst(lambda: self._file.create_dataset("imperfection", data=imperfection), _MARGIN + imperfection.nbytes)
+        try:
+            self._burst(lambda: self._lay_out((model_text, model_missing), title, target), _MARGIN + len(model_text))
+            if imperfection is not None:
+                self._burst(lambda: self._file.create_dataset("imperfection", data=imperfection), _MARGIN + imperfection.nbytes)
+        except ResultFileError:  # without its layout it is no result file
+            self.discard()
+            raise
 
     def _lay_out(self, model: tuple[str, str], title: str, target: float) -> None:
         describe(self._file, self._axis, model=model, title=title, target=target)
@@ -186,7 +194,7 @@ class ResultWriter:
     def _no_room(self, error: Exception) -> ResultFileError:
         reached = f" beyond {self._axis} {self._at[0]:g}" if self._at else ""
         accepted = "free some space or choose another folder"
-        return ResultFileError(f"result file '{self.path}' cannot be written{reached}: {error}; {accepted}")
+        return ResultFileError(f"result file '{self._shown}' cannot be written{reached}: {error}; {accepted}")
 
     def _close_file(self) -> None:
         """Close the file, whose content is flushed or already reported as lost, and give back the reserved room."""
@@ -233,34 +241,40 @@ def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
     """
     path = Path(path)
     refuse_unfit(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     signals, n_q = tuple(result.signals.values()), result.frame_q.shape[1] if result.frame_q.ndim == 2 else 0
     text, missing = model_text(result)
-    writer = ResultWriter(
-        partial,
-        signals,
-        result.axis,
-        n_q,
-        model_text=text,
-        model_missing=missing,
-        title=title,
-        overwrite=True,
-        imperfection=result.imperfection,
-    )
     try:
-        columns = [result.samples(signal.name) for signal in signals]
-        for step, at in enumerate(result.at):
-            writer.sample(float(at), [column[step] for column in columns])
-        velocities = frame_velocities(result)
-        for at, q, v in zip(result.frame_at, result.frame_q, velocities, strict=True):
-            writer._keep_frame(float(at), q, v)
-        writer.close(result.outcome, result.statistics)
-        os.replace(partial, path)
+        with replaced(path) as partial:
+            writer = ResultWriter(
+                partial,
+                signals,
+                result.axis,
+                n_q,
+                model_text=text,
+                model_missing=missing,
+                title=title,
+                overwrite=True,
+                imperfection=result.imperfection,
+                shown=path,
+            )
+            try:
+                _write_all(writer, result)
+            except ResultFileError:
+                writer.discard()
+                raise
     except OSError as error:
-        raise ResultFileError(f"result file '{path}' cannot be written: {error}") from error
-    finally:
-        partial.unlink(missing_ok=True)
+        raise ResultFileError(f"result file '{path}' cannot be written: {error.strerror or error}") from error
     return path
+
+
+def _write_all(writer: ResultWriter, result: Result) -> None:
+    """Hand a finished result to its writer, and close it."""
+    columns = [result.samples(name) for name in result.signals]
+    for step, at in enumerate(result.at):
+        writer.sample(float(at), [column[step] for column in columns])
+    for at, q, v in zip(result.frame_at, result.frame_q, frame_velocities(result), strict=True):
+        writer._keep_frame(float(at), q, v)
+    writer.close(result.outcome, result.statistics)
 
 
 def frame_velocities(result: Result) -> Floats:
