@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -95,8 +96,10 @@ def simulate(
         ConstraintError: constraints contradict each other.
         ModelError: joints lock the system, or it is described in a frame that spins.
     """
-    if not t_end > t_start:
-        raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a time later than t_start = {t_start:g} s")
+    if not math.isfinite(t_start):
+        raise DeclarationError("simulate", f"t_start = {t_start}", "accepted is a finite time [s]")
+    if not t_start < t_end < math.inf:
+        raise DeclarationError("simulate", f"t_end = {t_end}", f"accepted is a finite time later than t_start = {t_start:g} s")
     if every is not None and not every > 0.0:
         raise DeclarationError("simulate", f"every = {every}", "accepted is a positive interval [s], or None for the steps alone")
     if frames < 0:

@@ -53,6 +53,8 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: lm.simulate(other(None), 0.01, STEPS), "simulate: system = None; accepted is a System"),
     (lambda: lm.simulate(strip(), other("1 s"), STEPS), "t_end = '1 s'; accepted is a number"),
     (lambda: lm.simulate(strip(), float("nan"), STEPS), "t_end = nan"),
+    (lambda: lm.simulate(strip(), float("inf"), STEPS), "t_end = inf; accepted is a finite time later than t_start = 0 s"),
+    (lambda: lm.simulate(strip(), 1.0, STEPS, t_start=float("-inf")), "t_start = -inf; accepted is a finite time"),
     (lambda: lm.simulate(strip(), True, STEPS), "t_end = True; accepted is a number"),
     (lambda: lm.simulate(strip(), 0.01, other(lm.GeneralizedAlpha)), "integrator = .*; accepted is an integrator such as"),
     (lambda: lm.simulate(strip(), 0.01, STEPS, frames=other(2.5)), "frames = 2.5; accepted is a whole number"),
