@@ -11,7 +11,7 @@ from measure_cases import derivative
 
 import lamella as lm
 from lamella.dofs import Build
-from lamella.errors import DeclarationError, ModelFileError, ResultFileError
+from lamella.errors import DeclarationError, ModelError, ModelFileError, ResultFileError
 from lamella.io.model_file import dumps, loads
 from lamella.io.schema import json_schema
 
@@ -127,6 +127,10 @@ def test_a_wrong_tangent_is_refused_with_the_entry_that_differs_most(part, entry
     ("function", "tangent", "potential", "said"),
     [
         (lambda t, r, v: r[0], None, False, r"'function' gave an array of shape \(3,\); accepted are forces of shape \(1, 3\)"),
+        (lambda t, r, v: 1j * r, None, False, r"'function' gave array.*; accepted are real numbers"),
+        (lambda t, r, v: "much", None, False, "'function' gave 'much'; accepted are real numbers"),
+        (lambda t, r, v: None, None, False, "'function' gave None; accepted are real numbers"),
+        (well, lambda t, r, v: None, False, "'tangent' gave None; accepted is the pair dF/dr and dF/dv"),
         (
             well,
             lambda t, r, v: (np.eye(2), np.eye(2)),
@@ -144,6 +148,21 @@ def test_a_wrong_tangent_is_refused_with_the_entry_that_differs_most(part, entry
 def test_what_the_functions_give_is_checked(function, tangent, potential, said):
     with pytest.raises(DeclarationError, match="UserForce 'user': .*" + said):
         Case(function, tangent, potential=potential, both=False).tangent(1.0, 1.0)
+
+
+@pytest.mark.parametrize("which", ["function", "tangent"])
+def test_an_error_in_the_functions_is_told_with_the_force_and_the_time(which):
+    def fails(t, r, v):
+        raise LookupError("no law")
+
+    functions = {"function": lambda t, r, v: -r, which: fails}
+    system = lm.System()
+    ball = system.add(lm.RigidBody("ball", mass=1.0, inertia=(1, 1, 1)))
+    system.add(lm.UserForce("user", on=(ball.origin,), **functions))
+    said = f"UserForce 'user' at t = 0 s: '{which}' raised LookupError: no law"
+    with pytest.raises(ModelError, match=said) as caught:
+        lm.simulate(system, t_end=0.01, integrator=lm.GeneralizedAlpha(dt=1e-3))
+    assert isinstance(caught.value.__cause__, LookupError)
 
 
 def test_impossible_declarations_are_named():

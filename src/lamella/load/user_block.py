@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, ModelError
 from lamella.kinematics import VectorRows, vectors_of
 from lamella.roles import Floats, ForceBlock
 
@@ -93,14 +94,36 @@ class UserForceBlock(ForceBlock):
         return self._weights @ vectors_of(q)[self._vectors] + self._constants, self._weights @ vectors_of(v)[self._vectors]
 
     def _called(self, t: float, r: Floats, v: Floats) -> Floats:
-        F = np.asarray(self.function(t, r.copy(), v.copy()), float)
+        F = self._array("function", self._answer("function", self.function, t, r, v))
         if F.shape != (self.n, 3):
             raise self._refused(f"'function' gave an array of shape {F.shape}", f"accepted are forces of shape ({self.n}, 3)")
         return F
 
+    def _answer(self, which: str, function: Callable[..., object], t: float, r: Floats, v: Floats) -> object:
+        """What one of the functions gives.
+
+        Raises:
+            ModelError: it raised an error.
+        """
+        try:
+            return function(t, r.copy(), v.copy())
+        except Exception as error:
+            said = f"'{which}' raised {type(error).__name__}: {error}"
+            raise ModelError(f"UserForce '{self.name}' at t = {t:g} s: {said}") from error
+
+    def _array(self, which: str, given: object) -> Floats:
+        """Numbers that one of the functions gave."""
+        try:
+            return np.asarray(given).astype(float, casting="safe", copy=False)  # complex numbers and texts are none
+        except (TypeError, ValueError) as error:
+            raise self._refused(f"'{which}' gave {reprlib.repr(given)}", "accepted are real numbers") from error
+
     def _given(self, t: float, r: Floats, v: Floats) -> Pair:
         assert self.tangent is not None
-        F_r, F_v = (np.asarray(part, float) for part in self.tangent(t, r.copy(), v.copy()))
+        found: object = self._answer("tangent", self.tangent, t, r, v)
+        if not isinstance(found, (tuple, list, np.ndarray)) or len(found) != 2:
+            raise self._refused(f"'tangent' gave {reprlib.repr(found)}", "accepted is the pair dF/dr and dF/dv")
+        F_r, F_v = (self._array("tangent", part) for part in found)
         if F_r.shape != F_v.shape or F_r.shape != (3 * self.n, 3 * self.n):
             wanted = f"accepted are dF/dr and dF/dv, each of shape ({3 * self.n}, {3 * self.n})"
             raise self._refused(f"'tangent' gave arrays of shapes {F_r.shape} and {F_v.shape}", wanted)
