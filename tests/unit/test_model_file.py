@@ -392,6 +392,13 @@ def test_templates_are_valid(name: str) -> None:
         ("on: plate.tip", "on: plate.x+", "system.load.on", "'plate.x+' is an edge; accepted is a marker"),
         ("profile: slowly", "profile: slow", "system.load.profile", "did you mean 'slowly'?"),
         ("profile: slowly", "profile: {kind: stp}", "system.load.profile.kind", "there is no kind 'stp'; did you mean 'step'?"),
+        ("profile: slowly", "profile: {kind: {}}", "system.load.profile.kind", "found a mapping; accepted are constant, step"),
+        (
+            "type: clamp, on: plate.x-",
+            "type: true, on: plate.x-",
+            "system.root.type",
+            "found true; accepted are ground, rigid_body",
+        ),
         ("profile: slowly", "profile: [1]", "system.load.profile", "found [1]; accepted is a number or a mapping"),
         ("t_end: 2 s", "t_end: 0", "analysis.swing.t_end", "t_end = 0 s; accepted is a time later than"),
         ("{frames: 20}", "{frames: 0}", "output.frames", "accepted is a value at least 1"),

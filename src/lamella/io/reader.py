@@ -113,7 +113,10 @@ class Reader:
                 only = "holds Python functions, and nothing in a model file is executed; add it to the system in Python"
                 self._fail((*place, key), f"{said} {only}")
                 return None
-            self._fail((*place, key), f"there is no {key} {shown(said)}{suggestion(str(said), tags)}")
+            if isinstance(said, str):
+                self._fail((*place, key), f"there is no {key} {shown(said)}{suggestion(said, tags)}")
+            else:
+                self._fail((*place, key), f"found {shown(said)}; accepted are {', '.join(tags)}")
             return None
         if len(classes) == 1:
             return classes[0]
