@@ -6,6 +6,7 @@ import inspect
 import reprlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
+from math import isfinite
 from numbers import Integral, Real
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
@@ -25,6 +26,13 @@ class Kind(NamedTuple):
 NUMBER = Kind(lambda value: isinstance(value, Real) and not isinstance(value, bool), "a number")
 TEXT = Kind(lambda value: isinstance(value, str), "a text")
 WHOLE = Kind(lambda value: isinstance(value, Integral) and not isinstance(value, bool), "a whole number")
+FINITE = Kind(lambda value: NUMBER.accepts(value) and isfinite(value), "a finite number")
+POSITIVE = Kind(lambda value: FINITE.accepts(value) and value > 0, "a positive number")
+
+
+def at_least(least: int) -> Kind:
+    """A whole number that is not smaller."""
+    return Kind(lambda value: WHOLE.accepts(value) and value >= least, f"a whole number, {least} or more")
 
 
 def instance(words: str, *classes: type) -> Kind:
@@ -52,22 +60,23 @@ def numbers(words: str) -> Kind:
     return Kind(accepts, words)
 
 
-def sequence(kind: Kind) -> Kind:
-    """A list of values of a kind."""
+def sequence(kind: Kind, least: int = 0) -> Kind:
+    """A list of values of a kind, of some length at least."""
 
     def accepts(value: Any) -> bool:
-        return isinstance(value, Sequence) and not isinstance(value, str) and all(map(kind.accepts, value))
+        listed = isinstance(value, Sequence) and not isinstance(value, str)
+        return listed and len(value) >= least and all(map(kind.accepts, value))
 
-    return Kind(accepts, f"a list of {kind.words}")
+    return Kind(accepts, f"a list of {kind.words}{f', {least} or more' if least else ''}")
 
 
-def mapping(kind: Kind) -> Kind:
-    """A mapping of names to values of a kind."""
+def mapping(kind: Kind, least: int = 0) -> Kind:
+    """A mapping of names to values of a kind, of some length at least."""
 
     def accepts(value: Any) -> bool:
-        return isinstance(value, Mapping) and all(map(kind.accepts, value.values()))
+        return isinstance(value, Mapping) and len(value) >= least and all(map(kind.accepts, value.values()))
 
-    return Kind(accepts, f"a mapping of names to {kind.words}")
+    return Kind(accepts, f"a mapping of names to {kind.words}{f', {least} or more' if least else ''}")
 
 
 def either(*kinds: Kind) -> Kind:

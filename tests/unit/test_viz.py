@@ -32,7 +32,7 @@ from lamella.viz.path import plot_path
 from lamella.viz.plots import observed_order, plot_comparison, plot_convergence, plot_energy, plot_signals
 from lamella.viz.renderer import Body, ColourScale, Sheet
 from lamella.viz.report import Figure, Section, Table, write_report
-from lamella.viz.scene import _prepare, animation, picture
+from lamella.viz.scene import _prepare, animation, mode_sheet, picture
 from lamella.viz.solids import face_normals, sharp_edges
 from lamella.viz.style import RC, save_figure
 
@@ -147,6 +147,25 @@ def test_convergence_states_the_observed_order() -> None:
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["0.25", "0.5", "1"]
 
 
+@pytest.mark.parametrize(
+    ("draw", "said"),
+    [
+        (lambda: plot_signals(stand_in.result(), []), "plot_signals: names = []; accepted is a list of a text, 1 or more"),
+        (lambda: plot_signals(stand_in.result(), "tip.position"), "plot_signals: names = 'tip.position'; accepted is a list"),
+        (
+            lambda: plot_comparison({}, "tip.position.z"),
+            "plot_comparison: results = {}; accepted is a mapping of names",
+        ),
+        (lambda: plot_convergence({}, "h"), "convergence plot: there is no series"),
+        (lambda: plot_convergence({"a": ([1, 0.5], [0.1, 0])}, "h"), "errors [0.1, 0.0]; accepted are as many positive sizes"),
+        (lambda: plot_convergence({"a": ([1, 0.5], [0.1])}, "h"), "series 'a' has the sizes [1.0, 0.5] and the errors [0.1]"),
+    ],
+)
+def test_figures_of_nothing_are_refused(draw: Any, said: str) -> None:
+    with pytest.raises(DeclarationError, match=re.escape(said)):
+        draw()
+
+
 def test_figures_are_saved_alike_and_change_no_global_style(tmp_path: Path) -> None:
     before = dict(matplotlib.rcParams)
     figure = plot_energy(stand_in.result())
@@ -234,6 +253,11 @@ def test_wrong_requests_name_what_is_accepted(tmp_path: Path) -> None:
         ({"field": "curvature"}, "no magnitude; accepted are curvature.xx"),
         ({"view": "behind"}, "no view 'behind'; accepted are isometric"),
         ({"view": (0.0, 0.0, 0.0)}, "has no length"),
+        ({"at": []}, "picture: at = []; accepted is a finite number, or a list of one or more, or None"),
+        ({"at": float("nan")}, "at = nan; accepted is a finite number"),
+        ({"scale": float("nan")}, "scale = nan; accepted is a finite number"),
+        ({"per_element": 0}, "per_element = 0; accepted is a whole number, 1 or more"),
+        ({"width": 5}, "width = 5; accepted is a whole number, 300 or more"),
         ({"renderer": "blender"}, "renderer = 'blender'; accepted are auto, pyvista, matplotlib"),
     ]
     for options, message in cases:
@@ -241,6 +265,12 @@ def test_wrong_requests_name_what_is_accepted(tmp_path: Path) -> None:
             picture(result, tmp_path / "x.png", **options)
     with pytest.raises(ResultFileError, match=r"unknown suffix '\.avi'; accepted are \.gif and \.mp4"):
         animation(result, tmp_path / "x.avi")
+    with pytest.raises(DeclarationError, match="animation: frames = 0; accepted is a whole number, 1 or more"):
+        animation(result, tmp_path / "x.gif", frames=0)
+    with pytest.raises(DeclarationError, match="animation: seconds = nan; accepted is a positive number, or None"):
+        animation(result, tmp_path / "x.gif", seconds=float("nan"))
+    with pytest.raises(DeclarationError, match=r"mode_sheet: modes = .*; accepted is natural modes or buckling shapes"):
+        mode_sheet(result, tmp_path / "x.png")  # type: ignore[arg-type]
     empty = stand_in.result()
     empty.frame_at = np.empty(0)
     with pytest.raises(DeclarationError, match="no frame"):

@@ -11,7 +11,7 @@ import stand_in
 
 import lamella as lm
 from lamella.body.shape import FACETS
-from lamella.errors import ResultFileError
+from lamella.errors import DeclarationError, ResultFileError
 from lamella.io import vtk
 from lamella.io.vtk import quadrilaterals, write_vtkhdf
 from lamella.viz.fields import FIELDS, HEAT, SurfaceSampler
@@ -118,6 +118,10 @@ def test_only_what_a_result_holds_is_written(tmp_path: Path) -> None:
     assert set(arrays) == {"displacement"}
     with pytest.raises(ResultFileError, match="no field 'tsai_wu' in this result; available are displacement"):
         write_vtkhdf(result, tmp_path / "none.vtkhdf", fields=["tsai_wu"])
+    with pytest.raises(DeclarationError, match="fields = 'displacement'; accepted is a list of a text, or None"):
+        write_vtkhdf(result, tmp_path / "none.vtkhdf", fields="displacement")
+    with pytest.raises(DeclarationError, match="per_element = 0; accepted is a whole number, 1 or more"):
+        write_vtkhdf(result, tmp_path / "none.vtkhdf", per_element=0)
 
 
 def test_messages_for_files_that_cannot_be_written(tmp_path: Path) -> None:

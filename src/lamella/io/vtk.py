@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lamella.arguments import TEXT, accepts, at_least, optional, sequence
 from lamella.errors import ResultFileError
 from lamella.io.result_layout import Node, refuse_unfit
 from lamella.io.whole import replaced_hdf5
@@ -37,6 +38,7 @@ PACKED: dict[str, Any] = {"dtype": "f4", "compression": "gzip", "compression_opt
 """More than the least compression takes half as long again and saves 3 %."""
 
 
+@accepts(per_element=at_least(1), fields=optional(sequence(TEXT)))
 def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fields: Sequence[str] | None = None) -> Path:
     """Write the frames of a result for ParaView (File > Open, reader "VTKHDF").
 
@@ -47,6 +49,7 @@ def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fiel
         fields: names from :data:`lamella.viz.fields.FIELDS`; by default all that the result can give.
 
     Raises:
+        DeclarationError: ``per_element`` or ``fields`` is of another kind.
         ResultFileError: the result has no frame or nothing to draw, a field is not available, or the file cannot be written.
     """
     path = Path(path)

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamella.arguments import TEXT, accepts, instance, mapping, optional, sequence
 from lamella.errors import DeclarationError
+from lamella.result import Result
 from lamella.roles import Floats
 from lamella.viz.style import COLOURS, COMPONENT_COLOURS, DASHES, INK, WIDTH, new_figure, place_legend, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from lamella.result import Result
 
 AXIS_LABEL = {"time": "Time [s]", "load_factor": "Load factor [–]", "path": "Point on the path [–]"}
 LOAD_FACTOR = "load_factor"
@@ -52,6 +52,7 @@ def abscissa(result: Result) -> tuple[Floats, str]:
     return result.at, AXIS_LABEL[result.axis]
 
 
+@accepts(result=instance("a result", Result), names=optional(sequence(TEXT, least=1)))
 def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: str = "") -> Figure:
     """Recorded signals over time or load factor: a row for each signal, a column for each component, each with its own range.
 
@@ -112,6 +113,7 @@ def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
     return figure
 
 
+@accepts(results=mapping(instance("a result", Result), least=1))
 def plot_comparison(
     results: Mapping[str, Result],
     name: str,
@@ -208,7 +210,17 @@ def plot_convergence(
         y_label: vertical axis with unit.
         title: heading.
         orders: thin lines of these orders to compare with, through the first series' last point.
+
+    Raises:
+        DeclarationError: no series, or one whose sizes and errors are not positive or not equally many.
     """
+    for name, curve in series.items():
+        size, error = (np.asarray(values, float) for values in curve)
+        if not (size.shape == error.shape == (max(size.size, 1),) and (size > 0.0).all() and (error > 0.0).all()):
+            found = f"series '{name}' has the sizes {size.tolist()} and the errors {error.tolist()}"
+            raise DeclarationError("convergence plot", found, "accepted are as many positive sizes and errors, one or more")
+    if not series:
+        raise DeclarationError("convergence plot", "there is no series", "accepted is one or more")
     with styled():
         figure = new_figure(3.4, WIDTH * 0.86)
         axes = figure.subplots()

@@ -8,22 +8,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamella.arguments import FINITE, POSITIVE, Kind, accepts, at_least, instance, optional
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.modes import mode_frames, natural_amplitude
+from lamella.result import Result
 from lamella.roles import Floats
+from lamella.shapes import Shapes
 from lamella.viz.camera import Camera, fit_camera
 from lamella.viz.compose import Composer, save_gif, save_mp4
 from lamella.viz.fields import Snapshot, SurfaceSampler, scalar, select
 from lamella.viz.renderer import Body, ColourScale, Renderer, RendererName, Sheet, make_renderer
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
-
-if TYPE_CHECKING:
-    from lamella.result import Result
-    from lamella.shapes import Shapes
 
 LOAD_FACTOR, MODE_FREQUENCY = "load_factor", "frequency"
 """Signals that captions quote: of static solutions, and of natural modes."""
@@ -33,6 +31,9 @@ MOST_FITTED = 60
 
 PICTURE_DPI, ANIMATION_DPI = 160, 100
 """Resolutions: a picture is for print, an animation for the screen."""
+
+LEAST_WIDTH = 300
+"""Pixels that a picture takes at least: its colour bar and what it is of."""
 
 View = str | tuple[float, float, float]
 
@@ -77,6 +78,20 @@ class Drawing:
         return float(self.result.samples(name)[int(np.argmin(np.abs(self.result.at - at)))])
 
 
+def _is_place(value: object) -> bool:
+    """Whether a value is a place on the axis of a result, or some."""
+    if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str):
+        return len(value) > 0 and all(map(FINITE.accepts, value))
+    return FINITE.accepts(value)
+
+
+@accepts(
+    result=instance("a result", Result),
+    at=optional(Kind(_is_place, "a finite number, or a list of one or more")),
+    scale=FINITE,
+    per_element=at_least(1),
+    width=at_least(LEAST_WIDTH),
+)
 def picture(
     result: Result,
     path: str | Path,
@@ -121,6 +136,7 @@ def picture(
     return composer.save(Path(path))
 
 
+@accepts(modes=instance("natural modes or buckling shapes", Shapes), count=at_least(1))
 def mode_sheet(
     modes: Shapes,
     path: str | Path,
@@ -149,6 +165,14 @@ def mode_sheet(
     return picture(shapes, path, scale=scale, view=view, width=width, renderer=renderer, **shown)
 
 
+@accepts(
+    result=instance("a result", Result),
+    scale=FINITE,
+    per_element=at_least(1),
+    width=at_least(LEAST_WIDTH),
+    frames=at_least(1),
+    seconds=optional(POSITIVE),
+)
 def animation(
     result: Result,
     path: str | Path,
