@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella.dofs import Build, Motion, Signal
+from lamella.dofs import Build, Motion
+from lamella.load.record import add_load
 from lamella.roles import Floats, ForceBlock, Ints
 
 NONE = np.zeros(0, dtype=np.int64)
@@ -45,8 +46,4 @@ def add_dead_load(build: Build, name: str, vectors: Ints, forces: Floats, profil
     unique, inverse = np.unique(vectors, return_inverse=True)
     summed = np.stack([np.bincount(inverse, forces[:, c], minlength=len(unique)).astype(float) for c in range(3)], axis=1)
     coords = (3 * unique[:, None] + np.arange(3)).reshape(-1)
-    build.loads.append(DeadLoadBlock(name, coords, summed.reshape(-1), profile))
-    build.breakpoints.extend(profile.breakpoints)
-    build.signals.append(
-        Signal(f"{name}.factor", "1", (), lambda state: profile.value(state.t) * state.factor, f"factor of {name}")
-    )
+    add_load(build, DeadLoadBlock(name, coords, summed.reshape(-1), profile), profile)

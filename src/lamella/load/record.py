@@ -1,4 +1,4 @@
-"""How a load with a tangent enters a build: its block, and the factor that is recorded."""
+"""How a load enters a build: its block, and the factor that is recorded."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from lamella.roles import ForceBlock
 
 
 def add_load(build: Build, block: ForceBlock, profile: Motion) -> None:
-    """Add the block of a load and the jumps of its profile.
+    """Add the block of a load and the breakpoints of its profile.
 
     Its factor p(t), times the load factor of statics, is recorded as ``<name>.factor``.
     """
