@@ -30,7 +30,7 @@ class PointForce(Declaration):
     On a plate they turn with the normal and, about it, with the mean of the tangents at the marker.
 
     Args:
-        name: unique name.
+        name: unique name; the result holds ``<name>.factor``.
         on: the marker.
         force: force vector F [N]: in the inertial frame, or with ``follower`` in axes that turn with the body.
         profile: factor p(t).
@@ -59,7 +59,7 @@ class EdgeForce(Declaration):
     """A force per length along an edge: Q = int S^T f p(t) ds over the reference length.
 
     Args:
-        name: unique name.
+        name: unique name; the result holds ``<name>.factor``.
         on: the edge.
         force: force per reference length f in the inertial frame [N/m].
         profile: factor p(t).
@@ -83,7 +83,7 @@ class SurfaceForce(Declaration):
     """A force per area over a plate: Q = int S^T f p(t) dA over the reference area.
 
     Args:
-        name: unique name.
+        name: unique name; the result holds ``<name>.factor``.
         on: the plate.
         force: force per reference area f in the inertial frame [Pa].
         profile: factor p(t).

@@ -25,7 +25,7 @@ class Gravity(Declaration):
     weight of every body.
 
     Args:
-        name: unique name.
+        name: unique name; the result holds ``<name>.factor``.
         acceleration: acceleration vector [m/s^2].
         profile: factor as a function of time.
     """

@@ -92,7 +92,8 @@ class SlideSpring(Declaration):
     """A spring and a damper along the axis of a joint: F = k (s - s_0(t)) + c s' + F_0(t) against its displacement s.
 
     Args:
-        name: unique name; the result holds ``<name>.force`` [N], which acts against a growing displacement.
+        name: unique name; the result holds ``<name>.force`` [N], which acts against a growing displacement, and
+            ``<name>.displacement`` [m].
         on: the joint.
         stiffness: k [N/m].
         damping: c [N s/m].

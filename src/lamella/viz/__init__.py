@@ -1,1 +1,1 @@
-"""."""
+"""Pictures, animations, plots and report pages."""
