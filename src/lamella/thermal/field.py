@@ -37,7 +37,8 @@ class TemperatureField(Declaration):
             [K], the mean of T, and at each marker of the plate ``<marker>.T_N`` [K] and ``<marker>.T_M`` [K/m].
         on: the plate.
         reference: temperature T_0 at which the plate is free of stress [K].
-        initial: temperature at the start [K]; the reference when left out.
+        initial: temperature at the start [K]; the reference when left out. A plate that begins at another one has not grown yet,
+            and begins with the stress of that.
         initial_gradient: gradient T_M through the thickness at the start [K/m].
 
     Raises:
