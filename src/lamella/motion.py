@@ -219,9 +219,10 @@ class March:
         jumps = [s for s in self.equations.model.breakpoints if self.t < s < self.t_end] + [self.t_end]
         try:
             self.recorder.sample(self.t, self.state)
-            self.control()
+            self.control(None)
             while jumps:
-                stop = min(jumps[0], self.sampling.next(self.t))
+                before = self.t
+                stop = min(jumps[0], self.sampling.next(self.t, jumps[0]))
                 jumping = stop == jumps[0] and stop < self.t_end
                 failure = self.advance(stop, jumping)
                 if failure is not None:
@@ -231,7 +232,7 @@ class March:
                 if jumping:
                     self.restart()
                 if stop < self.t_end:
-                    self.control()
+                    self.control(before)
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.t, self.t_end)
         except ResultFileError as error:
@@ -310,10 +311,10 @@ class March:
             cause, detail = Cause.INACCURATE, f"error {outcome.error:.1e} times the tolerance"
         return Outcome(cause, self.t, self.t_end, f"step {dt:.1e} s; {detail}")
 
-    def control(self) -> None:
-        """Let controllers act whose time it is; the state behind the jump of their loads is recorded as well."""
-        if self.sampling.due(self.t):
-            self.jump(lambda: self.sampling.act(self.t, self.whole()))
+    def control(self, before: float | None) -> None:
+        """Let controllers act whose time has come since ``before`` [s], None at the start; both sides of it are recorded."""
+        if self.sampling.due(self.t, before):
+            self.jump(lambda: self.sampling.act(self.t, before, self.whole()))
 
     def jump(self, change: Callable[[], None]) -> None:
         """Let inputs jump: places and velocities go on, and accelerations and multipliers jump with them; record that."""

@@ -65,6 +65,20 @@ def test_a_second_run_begins_anew():
     np.testing.assert_array_equal(first["pilot.state"].values, second["pilot.state"].values)
 
 
+@pytest.mark.parametrize("integrator", [STEPS, lm.BDF(dt=0.02)], ids=["generalised-alpha", "BDF"])
+def test_a_sample_is_one_where_a_load_jumps_a_rounding_behind_it(integrator):
+    """2 x 0.15 s is less than 3 x 0.1 s by one bit: a law with a state must not step it twice there."""
+    at, period = 3 * 0.1, 0.15
+    assert 2 * period < at
+    body = lm.RigidBody("sledge", mass=MASS, inertia=(1, 1, 1))
+    side = lm.PointForce("side", body.origin, (0, 1.0, 0), profile=lm.Step(at=at))
+    push = lm.PointForce("push", body.origin, (1.0, 0, 0))
+    count = lm.FunctionLaw(lambda t, y, x: (0.0, x + 1.0), start=(0.0,))
+    pilot = lm.Controller("pilot", ("sledge.position.x",), ("push",), count, period)
+    run = lm.simulate(system_of(body, side, push, pilot), 0.5, integrator)
+    assert run["pilot.state"].values[-1, 0] == 4.0  # at 0, 0.15, 0.3 and 0.45 s
+
+
 def test_a_plate_is_damped_as_its_linear_model_foretells():
     """Feedback of the tip's velocity, sampled 70 times in the first period."""
     period, gain = 2e-3, 1.5

@@ -49,6 +49,21 @@ def test_held_inputs_are_those_of_a_sampled_controller():
         np.testing.assert_allclose(found[:, column], history[before], rtol=0, atol=1e-9 * max(scale, np.abs(found).max() * 1e-3))
 
 
+def test_times_that_are_off_by_rounding_give_a_controller_no_second_sample():
+    """A master that sums its steps comes to the sample times with an error of more than a bit."""
+    count = lm.FunctionLaw(lambda t, y, x: (0.0, x + 1.0), start=(0.0,))
+    pilot = lm.Controller("pilot", ("pin.angle",), ("motor",), count, 0.01)
+    run = lm.Stepping(system_of(*pendulum(angle=0.5, torque=lm.Constant(1.0)).declarations, pilot), STEPS)
+    for t in (0.01 + 5e-12, 0.02 - 5e-12, 0.025, 0.03 + 5e-12):
+        run.advance_to(t)
+    assert run.get("pilot.state.0") == 4.0
+    saved = run.save()
+    run.advance_to(0.045)
+    run.restore(saved)
+    run.advance_to(0.045)
+    assert run.get("pilot.state.0") == 5.0
+
+
 def test_without_inputs_it_goes_as_a_run_does():
     """Communication between the integrator's steps changes none of them, but by what is left of constraints, 1e-11 a step."""
     run = lm.Stepping(pendulum(angle=0.5), STEPS)

@@ -32,24 +32,31 @@ class Sampling:
         known = {signal.name: signal for signal in signals}
         self._samplers = [(sampler, [_measured(sampler, name, known) for name in sampler.measures]) for sampler in samplers]
 
-    def next(self, t: float) -> float:
-        """The first sample time behind t, infinite when nothing samples."""
+    def next(self, t: float, *stops: float) -> float:
+        """The first sample time behind t, infinite when nothing samples.
+
+        Args:
+            t: time [s].
+            stops: times of other stops; a sample time that is one of them but for rounding is taken as that, since no step is
+                to be as short as what lies between.
+        """
+        found = [(self._start + sampler.period * (self._count(sampler, t) + 1), sampler.period) for sampler, _ in self._samplers]
         return min(
-            (self._start + sampler.period * (self._count(sampler, t) + 1) for sampler, _ in self._samplers), default=np.inf
+            (next((stop for stop in stops if abs(stop - time) < CLOSE * period), time) for time, period in found), default=np.inf
         )
 
-    def due(self, t: float) -> bool:
-        """Whether it is the time of one."""
-        return any(self._is_due(sampler, t) for sampler, _ in self._samplers)
+    def due(self, t: float, before: float | None) -> bool:
+        """Whether one has a sample time at t that it had not ``before`` [s], where the last stop was; None at the start."""
+        return any(self._is_due(sampler, t, before) for sampler, _ in self._samplers)
 
-    def act(self, t: float, state: State) -> None:
+    def act(self, t: float, before: float | None, state: State) -> None:
         """Let those whose time it is act on a state."""
         for sampler, measured in self._samplers:
-            if self._is_due(sampler, t):
+            if self._is_due(sampler, t, before):
                 sampler.sample(t, np.array([float(np.atleast_1d(signal.evaluate(state))[k]) for signal, k in measured]))
 
-    def _is_due(self, sampler: Sampler, t: float) -> bool:
-        return abs(t - self._start - sampler.period * self._count(sampler, t)) < CLOSE * sampler.period
+    def _is_due(self, sampler: Sampler, t: float, before: float | None) -> bool:
+        return before is None or self._count(sampler, t) > self._count(sampler, before)
 
     def _count(self, sampler: Sampler, t: float) -> int:
         return floor((t - self._start) / sampler.period + CLOSE)

@@ -134,7 +134,7 @@ class Stepping:
         self.ended: Outcome | None = None
         for signal in self._signals:  # all that count from the first state begin here
             signal.evaluate(self._march.state)
-        self._march.control()
+        self._march.control(None)
 
     @property
     def t(self) -> float:
@@ -223,9 +223,10 @@ class Stepping:
         while march.t < t - close:
             stops = [s for s in self.model.breakpoints if march.t < s <= t + close]
             jump = stops[0] if stops else np.inf
-            stop = min(jump, march.sampling.next(march.t), t)
+            stop = min(jump, march.sampling.next(march.t, jump, t), t)
             if abs(jump - stop) <= close:
                 stop = jump
+            before = march.t
             failure = march.advance(stop, stop == jump)
             if failure is not None and failure.cause is Cause.EVENT:
                 self.ended = failure
@@ -236,7 +237,7 @@ class Stepping:
                 self._equations.forget()
                 march.restart()
                 march.recorder.sample(march.t, march.state)
-            march.control()
+            march.control(before)
         return Outcome(Cause.COMPLETED, march.t, t, events=tuple(march.watch.happened))
 
     def save(self) -> bytes:
