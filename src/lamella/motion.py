@@ -289,7 +289,7 @@ class March:
                     return Outcome(Cause.EVENT, self.t, self.t_end, ending[0])
                 self.restart()
                 dt = self.stepper.first_step(dt)
-        self.dt = dt
+        self.t, self.dt = stop, dt  # also where so little was left that no step was made: who asks again would wait for ever
         return None
 
     def _sample_between(self, before: float, after: float) -> bool:

@@ -79,6 +79,16 @@ def test_a_sample_is_one_where_a_load_jumps_a_rounding_behind_it(integrator):
     assert run["pilot.state"].values[-1, 0] == 4.0  # at 0, 0.15, 0.3 and 0.45 s
 
 
+def test_a_load_that_jumps_hardly_before_a_sample_does_not_keep_the_run_from_going_on():
+    """What is left to the sample is more than a share of the period, and less than that of the integrator's step."""
+    body = lm.RigidBody("sledge", mass=MASS, inertia=(1, 1, 1))
+    side = lm.PointForce("side", body.origin, (0, 1.0, 0), profile=lm.Step(at=0.3 - 5e-11))
+    push = lm.PointForce("push", body.origin, (1.0, 0, 0))
+    pilot = lm.Controller("pilot", ("sledge.position.x",), ("push",), lm.FunctionLaw(lambda t, y: 1.0), 0.01)
+    run = lm.simulate(system_of(body, side, push, pilot), 0.4, lm.GeneralizedAlpha(dt=0.1))
+    assert run["sledge.position"].values[-1, 0] == pytest.approx(0.5 * 0.4**2 / MASS)
+
+
 def test_a_plate_is_damped_as_its_linear_model_foretells():
     """Feedback of the tip's velocity, sampled 70 times in the first period."""
     period, gain = 2e-3, 1.5

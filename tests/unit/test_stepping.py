@@ -64,6 +64,14 @@ def test_times_that_are_off_by_rounding_give_a_controller_no_second_sample():
     assert run.get("pilot.state.0") == 5.0
 
 
+def test_a_communication_step_of_almost_nothing_ends():
+    """Less than the share of a step that has grown by error control for which none is made, but more than that of its first."""
+    run = lm.Stepping(pendulum(), lm.BDF(dt=1e-3))
+    run.advance_to(0.01)
+    run.advance_to(0.01 + 5e-12)
+    assert run.t == 0.01 + 5e-12
+
+
 def test_without_inputs_it_goes_as_a_run_does():
     """Communication between the integrator's steps changes none of them, but by what is left of constraints, 1e-11 a step."""
     run = lm.Stepping(pendulum(angle=0.5), STEPS)
