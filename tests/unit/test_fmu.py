@@ -12,6 +12,7 @@ import pytest
 import lamella as lm
 from lamella.cli.main import ERROR, run_app
 from lamella.errors import DeclarationError, MissingExtraError, ModelError, ResultFileError
+from lamella.fmu.plant import Plant
 from lamella.fmu.units import base_units, is_structured
 from lamella.io.model_file import read_model
 
@@ -171,6 +172,28 @@ def test_a_step_that_fails_is_told(units, fmi, tmp_path):
     with pytest.raises(Exception, match=r"fmi\dDoStep failed"):
         unit.slave.doStep(0.0, STEP)
     unit.slave.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_step_from_another_time_than_the_present_one_is_refused(units, fmi, tmp_path):
+    unit = instance(units[fmi], fmi, tmp_path)
+    unit.begin(0.0)
+    for first in (0.05, -STEP):
+        with pytest.raises(Exception, match=r"fmi\dDoStep failed"):
+            unit.slave.doStep(first, STEP)
+    if fmi == 3:
+        assert unit.slave.getFloat64([0]) == [0.0]  # the time
+    assert len(unit.march(0, 2)) == 2
+    unit.slave.doStep(2 * STEP + 1e-10, STEP)  # a master sums its steps
+    with pytest.raises(DeclarationError, match=r"a step of 0\.005 s from 0\.05 s; accepted is one from the present time, 0 s"):
+        _plant(units[fmi], tmp_path / "plain").advance(0.05, STEP)
+    unit.slave.freeInstance()
+
+
+def _plant(path: Path, folder: Path) -> Plant:
+    plant = Plant(str(Path(fmpy.extract(path, folder)) / "resources"))
+    plant.begin(0.0)
+    return plant
 
 
 def test_units_and_names_are_those_of_the_standard():

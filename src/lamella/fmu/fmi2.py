@@ -71,7 +71,7 @@ class Fmi2Unit(Fmi2Slave):
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         try:
-            return self.plant.advance_to(current_time + step_size)
+            return self.plant.advance(current_time, step_size)
         except LamellaError as error:
             self.log(str(error), Fmi2Status.error)
             return False

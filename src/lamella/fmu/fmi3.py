@@ -59,12 +59,13 @@ class Fmi3Unit(Fmi3Slave):
         self.plant.begin(self.time)
 
     def do_step(self, current_time: float, step_size: float) -> Fmi3StepResult:
-        self.time = current_time + step_size
         try:
-            reached = self.plant.advance_to(self.time)
+            reached = self.plant.advance(current_time, step_size)
         except LamellaError as error:
             self.log(str(error), Fmi3Status.error)
             return Fmi3StepResult(status=Fmi3Status.error)
+        finally:
+            self.time = self.plant.t  # also of a motion that stands before the end of the step
         return Fmi3StepResult(status=Fmi3Status.ok, terminateSimulation=not reached)
 
     def _get_fmu_state(self) -> dict[str, Any]:

@@ -20,6 +20,8 @@ from lamella.stepping.run import Stepping
 MODEL, INTERFACE, START = "model.yaml", "interface.json", "start.npz"
 """Files in the resources."""
 ARRAYS = ("q", "v", "a", "lam", "reaction")
+APART = 1e-6
+"""Share of a communication step by which its beginning may be off the present time: a master sums its steps."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +102,25 @@ class Plant:
         """An output at the present time."""
         return self._start[name] if self._stepping is None else float(self._stepping.get(name))
 
-    def advance_to(self, t: float) -> bool:
-        """Advance; False when an event has ended the motion before."""
-        return self._running().advance_to(t).reached >= t
+    @property
+    def t(self) -> float:
+        """The present time [s]."""
+        return self._running().t
+
+    def advance(self, t: float, dt: float) -> bool:
+        """Advance by a communication step dt from the time t [s]; False when an event has ended the motion before its end.
+
+        Raises:
+            DeclarationError: there is no motion yet, or the step begins at another time than the present one.
+        """
+        run = self._running()
+        if run.ended is None and abs(t - run.t) > APART * abs(dt):
+            raise DeclarationError(
+                f"FMU '{self.interface.name}'",
+                f"a step of {dt:g} s from {t:g} s",
+                f"accepted is one from the present time, {run.t:g} s",
+            )
+        return run.advance_to(t + dt).reached >= t + dt
 
     def save(self) -> dict[str, Any]:
         """Everything that comes next depends on, as JSON."""
