@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import reprlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import wraps
 from math import isfinite
 from numbers import Integral, Real
@@ -82,6 +82,17 @@ def mapping(kind: Kind, least: int = 0) -> Kind:
 def either(*kinds: Kind) -> Kind:
     """What one of some kinds accepts."""
     return Kind(lambda value: any(kind.accepts(value) for kind in kinds), " or ".join(kind.words for kind in kinds))
+
+
+def _are_texts(value: Any) -> bool:
+    return isinstance(value, Collection) and not isinstance(value, str) and all(map(TEXT.accepts, value))
+
+
+NAMES = Kind(_are_texts, "a list of names")
+NAMED = Kind(
+    lambda value: _are_texts(value) and (not isinstance(value, Mapping) or _are_texts(value.values())),
+    "a list of names, or a mapping of names to names",
+)
 
 
 def accepts(**kinds: Kind) -> Callable[[Callable[Parameters, Returned]], Callable[Parameters, Returned]]:

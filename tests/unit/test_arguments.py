@@ -86,6 +86,16 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: still_by(analyses=other(lm.Statics("still"))), "analyses = .*; accepted is a list of analyses"),
     (lambda: still_by(analyses=other([5])), "analyses = .5.; accepted is a list of analyses"),
     (lambda: still_by(output=lm.MassOutput(body="plate")), "output 'mass': body: there is no body 'plate' with mass"),
+    (
+        lambda: lm.linearise(strip(), other("load"), ["tip.position"]),
+        "linearise: inputs = 'load'; accepted is a list of names",
+    ),
+    (lambda: lm.linearise(strip(), other(5), ["tip.position"]), "inputs = 5; accepted is a list of names, or a mapping of names"),
+    (lambda: lm.linearise(strip(), other({"u": 5}), ["tip.position"]), "inputs = {'u': 5}; accepted is a list of names, or"),
+    (lambda: lm.linearise(strip(), ["load"], other("tip.position")), "outputs = 'tip.position'; accepted is a list of names"),
+    (lambda: lm.linearise(strip(), ["load"], other([5])), r"outputs = \[5\]; accepted is a list of names"),
+    (lambda: lm.Stepping(strip(), STEPS, inputs=other(5)), "Stepping: inputs = 5; accepted is a list of names, or a mapping"),
+    (lambda: lm.Stepping(strip(), STEPS, outputs="tip.position.z"), "outputs = 'tip.position.z'; accepted is a list of names"),
     (lambda: lm.Stepping(other(None), STEPS), "Stepping: system = None; accepted is a System or its compiled model"),
     (lambda: far(1e10).compile(), r"'far' lies 1e\+10 m from the origin, 1e\+10 times its size"),
 ]

@@ -14,6 +14,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 
+import numpy as np
+
+from lamella.arguments import NAMED, NAMES, NUMBER, accepts, optional
 from lamella.errors import DeclarationError, MissingExtraError, ModelError, ResultFileError
 from lamella.fmu.plant import Interface, Variable, stepping, write_resources
 from lamella.io.analysis import Analysis, Computed, Motion, result_of
@@ -44,6 +47,7 @@ BEFORE = {2: REFERENCE, 3: ""}
 ITEM = "export_fmu"
 
 
+@accepts(inputs=optional(NAMED), outputs=optional(NAMES), step=optional(NUMBER))
 def export_fmu(
     model: str | Path,
     out: str | Path,
@@ -85,8 +89,8 @@ def export_fmu(
     target = Path(out)
     if target.suffix != ".fmu":
         raise DeclarationError(ITEM, f"out = '{target}'", "accepted is a file name that ends in .fmu")
-    if step is not None and not step > 0.0:
-        raise DeclarationError(ITEM, f"step = {step}", "accepted is a positive communication step [s]")
+    if step is not None and not 0.0 < step < np.inf:
+        raise DeclarationError(ITEM, f"step = {step}", "accepted is a positive, finite communication step [s]")
     if target.exists() and not overwrite:
         raise ResultFileError(f"'{target}' exists already; overwrite it, or choose another name")
     builder = _builder(fmi)

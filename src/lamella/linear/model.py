@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from lamella.accepted import STATE, SYSTEM
-from lamella.arguments import WHOLE, accepts, optional
+from lamella.arguments import NAMED, NAMES, WHOLE, accepts, optional
 from lamella.errors import DeclarationError
 from lamella.linear.basis import all_motions, lowest_motions
 from lamella.linear.inputs import Effect, Inputs, effects
@@ -31,6 +31,8 @@ ROUNDING = 1e-15
 
 @accepts(
     system=SYSTEM,
+    inputs=NAMED,
+    outputs=NAMES,
     state=STATE,
 )
 def linearise(system: System | Model, inputs: Inputs, outputs: Sequence[str], *, state: State | None = None) -> LinearModel:

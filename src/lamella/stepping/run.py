@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lamella.accepted import SOLVER, STATE, SYSTEM
-from lamella.arguments import NUMBER, accepts, instance
+from lamella.arguments import NAMED, NAMES, NUMBER, accepts, instance
 from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ModelError
 from lamella.integrate.base import Integrator
@@ -75,6 +75,8 @@ class Stepping:
     @accepts(
         system=SYSTEM,
         integrator=instance("an integrator such as GeneralizedAlpha(dt=1e-3)", Integrator),
+        inputs=NAMED,
+        outputs=NAMES,
         t_start=NUMBER,
         initial=STATE,
         solver=SOLVER,
