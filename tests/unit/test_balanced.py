@@ -82,6 +82,10 @@ def test_scaled_inputs_and_outputs(plate):
     assert model.output_units == ("1", "1")
     with pytest.raises(DeclarationError, match="a positive one for each"):
         plate.scaled([10.0], [1e-3, -1.0])
+    with pytest.raises(DeclarationError, match=r"scaled: inputs = \[inf\]; accepted is a positive one for each of load"):
+        plate.scaled([np.inf], [1e-3, 1.0])
+    with pytest.raises(DeclarationError, match=r"scaled: inputs = \{'load': 1.0\}; accepted is a list of numbers"):
+        plate.scaled({"load": 1.0}, [1e-3, 1.0])
 
 
 def test_response_is_exact_for_inputs_that_are_linear_between_the_times(plate):
@@ -93,11 +97,20 @@ def test_response_is_exact_for_inputs_that_are_linear_between_the_times(plate):
         (t**2, u, "equally spaced"),
         (t[::-1], u, "two, ascending and equally spaced"),
         (t, u[:5], r"accepted are 1 for each of 101 times"),
+        (t, u * np.nan, r"response: inputs = \[\[nan\], .*; accepted are finite numbers"),
+        (t, "sine", r"response: inputs = 'sine'; accepted is a list of numbers"),
     ):
         with pytest.raises(DeclarationError, match=said):
             plate.response(times, inputs)
     with pytest.raises(DeclarationError, match="there is no input 'lod'; accepted are load"):
         plate.step_response(t, "lod")
+    for times, said in (
+        (5.0, "at least two"),
+        (None, "at least two"),
+        ("1 s", "times = '1 s'; accepted is a list of"),
+    ):
+        with pytest.raises(DeclarationError, match=said):
+            plate.step_response(times, "load")
 
 
 def test_a_model_with_a_pole_at_zero_has_no_gain():
@@ -130,8 +143,15 @@ def test_models_are_saved_and_read(plate, tmp_path):
     with pytest.raises(ResultFileError, match=r"unknown suffix '.txt'; accepted are .npz and .mat"):
         plate.save(tmp_path / "model.txt")
     (tmp_path / "other.npz").write_text("nothing")
-    with pytest.raises(ResultFileError, match=r"other.npz' is no linear model"):
-        lm.StateSpace.load(tmp_path / "other.npz")
+    np.save(tmp_path / "array.npy", np.eye(2))
+    for name in ("other.npz", "array.npy", "model.mat"):
+        with pytest.raises(ResultFileError, match=rf"{name}' is no linear model; accepted is a .npz that save wrote"):
+            lm.StateSpace.load(tmp_path / name)
+    with pytest.raises(ResultFileError, match=r"none.npz' cannot be read: No such file"):
+        lm.StateSpace.load(tmp_path / "none.npz")
+    for suffix in (".npz", ".mat"):
+        with pytest.raises(ResultFileError, match=rf"model{suffix}' cannot be written: No such file or directory; accepted"):
+            plate.save(tmp_path / "none" / f"model{suffix}")
 
 
 def test_model_for_python_control(plate):

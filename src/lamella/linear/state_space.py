@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,7 +108,7 @@ class StateSpace:
         Returns:
             Changes of the outputs, shape (n_t, p).
         """
-        t, u = np.asarray(t, float), np.asarray(u, float)
+        t, u = _floats("response", "times", t), _floats("response", "inputs", u)
         if t.ndim != 1 or len(t) < 2 or not (t[1] > t[0] and np.allclose(np.diff(t), t[1] - t[0], rtol=1e-6, atol=0.0)):
             given = f"times {reprlib.repr(t.tolist())}"
             raise DeclarationError("response", given, "accepted are at least two, ascending and equally spaced")
@@ -115,6 +116,8 @@ class StateSpace:
             raise DeclarationError(
                 "response", f"inputs of shape {u.shape}", f"accepted are {len(self.inputs)} for each of {len(t)} times"
             )
+        if not np.isfinite(u).all():
+            raise DeclarationError("response", f"inputs = {reprlib.repr(u.tolist())}", "accepted are finite numbers")
         n, m, dt = self.n_states, len(self.inputs), t[1] - t[0]
         whole = np.zeros((n + 2 * m, n + 2 * m))
         whole[:n, :n], whole[:n, n : n + m], whole[n : n + m, n + m :] = dt * self.A, dt * self.B, np.eye(m)
@@ -128,7 +131,8 @@ class StateSpace:
 
     def step_response(self, t: Floats, name: str) -> Floats:
         """Changes of the outputs after a unit step of one input, at equally spaced times [s], shape (n_t, p)."""
-        u = np.zeros((len(t), len(self.inputs)))
+        t = _floats("step_response", "times", t)
+        u = np.zeros((t.size, len(self.inputs)))
         u[:, self._number(name, self.inputs, "input")] = 1.0
         return self.response(t, u)
 
@@ -157,9 +161,11 @@ class StateSpace:
 
     def scaled(self, inputs: Floats, outputs: Floats) -> StateSpace:
         """The same model with inputs and outputs counted in other sizes: u / inputs and y / outputs, both with unit 1."""
-        by, of = np.asarray(inputs, float), np.asarray(outputs, float)
-        if by.shape != (len(self.inputs),) or of.shape != (len(self.outputs),) or not (np.all(by > 0) and np.all(of > 0)):
-            raise DeclarationError("scaled", "the sizes do not fit", "accepted is a positive one for each input and output")
+        by, of = _floats("scaled", "inputs", inputs), _floats("scaled", "outputs", outputs)
+        for sizes, names, kind in ((by, self.inputs, "inputs"), (of, self.outputs, "outputs")):
+            if sizes.shape != (len(names),) or not np.all((sizes > 0.0) & np.isfinite(sizes)):
+                given = f"{kind} = {reprlib.repr(sizes.tolist())}"
+                raise DeclarationError("scaled", given, f"accepted is a positive one for each of {', '.join(names)}")
         return replace(
             self,
             B=self.B * by,
@@ -199,11 +205,13 @@ class StateSpace:
                 from scipy.io import savemat
 
                 texts = {key: np.array(value, dtype=object) if key in NAMES else value for key, value in data.items()}
-                savemat(path, texts, oned_as="column")
+                with path.open("wb") as file:  # savemat's own errors of files that cannot be opened say nothing
+                    savemat(file, texts, oned_as="column")
             else:
                 raise ResultFileError(f"linear model '{path}': unknown suffix '{path.suffix}'; accepted are .npz and .mat")
         except OSError as error:
-            raise ResultFileError(f"'{path}' cannot be written: {error}; accepted is a file in a writable folder") from error
+            why = error.strerror or error
+            raise ResultFileError(f"'{path}' cannot be written: {why}; accepted is a file in a writable folder") from error
         return path
 
     @classmethod
@@ -219,8 +227,12 @@ class StateSpace:
                 data |= {key: tuple(file[key].tolist()) for key in NAMES}
                 bound = float(file["error_bound"])
                 data["hankel"] = file["hankel"] if len(file["hankel"]) else None
-        except (OSError, KeyError, ValueError) as error:
-            raise ResultFileError(f"'{path}' is no linear model: {error}; accepted is a file that save wrote") from error
+        except OSError as error:
+            raise ResultFileError(
+                f"'{path}' cannot be read: {error.strerror or error}; accepted is a .npz that save wrote"
+            ) from error
+        except (EOFError, KeyError, TypeError, ValueError, BadZipFile) as error:  # an array alone has no names
+            raise ResultFileError(f"'{path}' is no linear model; accepted is a .npz that save wrote") from error
         return cls(**data, error_bound=None if np.isnan(bound) else bound)
 
     def _data(self) -> dict[str, Any]:
@@ -237,3 +249,15 @@ class StateSpace:
         if name not in known:
             raise DeclarationError("StateSpace", f"there is no {kind} '{name}'", f"accepted are {', '.join(known)}")
         return known.index(name)
+
+
+def _floats(item: str, name: str, value: Any) -> Floats:
+    """An argument as an array of numbers.
+
+    Raises:
+        DeclarationError: it is none; the message begins with ``item``.
+    """
+    try:
+        return np.asarray(value, float)
+    except (TypeError, ValueError) as error:
+        raise DeclarationError(item, f"{name} = {reprlib.repr(value)}", "accepted is a list of numbers") from error
