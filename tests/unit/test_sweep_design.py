@@ -29,6 +29,12 @@ def shares(rows, name, parameter):
     return np.array([(quantity_of(row[name])[0] - low) / (high - low) for row in rows])
 
 
+def test_a_grid_that_no_memory_holds_is_refused_by_its_number_of_runs() -> None:
+    vast = lm.Parameter("system.plate.mesh", range=(0.0, 1.0), count=10**15)
+    with pytest.raises(ValueError, match=f"the design has {10**15} runs; accepted are at most 100000"):
+        design_rows(lm.GridDesign(), {"mesh": vast})
+
+
 def test_a_grid_has_all_combinations_the_last_fastest() -> None:
     parameters = {
         "mesh": lm.Parameter("system.plate.mesh", values=([2, 2], [4, 4])),

@@ -52,7 +52,7 @@ class GridDesign(Design):
     kind: Literal["grid"] = "grid"
 
     def runs_of(self, parameters: Parameters) -> int:
-        return math.prod(len(values) for values in _grids(parameters))
+        return math.prod(_of(name, parameter.grid_size) for name, parameter in parameters.items())
 
     def rows(self, parameters: Parameters) -> list[Row]:
         return [dict(zip(parameters, point, strict=True)) for point in itertools.product(*_grids(parameters))]

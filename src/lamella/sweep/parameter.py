@@ -90,17 +90,25 @@ class Parameter:
             found = low + shares * (high - low)
         return [with_unit(float(value), unit) for value in found]
 
+    def grid_size(self) -> int:
+        """Number of values in a grid.
+
+        Raises:
+            ValueError: neither values nor a range with a count are given.
+        """
+        if self.values is not None:
+            return len(self.values)
+        if self.range is None or self.count is None:
+            raise ValueError("a grid needs 'values', or 'range' and 'count'")
+        return self.count
+
     def grid(self) -> Sequence[Any]:
         """The values in a grid.
 
         Raises:
             ValueError: neither values nor a range with a count are given.
         """
-        if self.values is not None:
-            return self.values
-        if self.range is None or self.count is None:
-            raise ValueError("a grid needs 'values', or 'range' and 'count'")
-        return self.at(np.linspace(0.0, 1.0, self.count))
+        return self.at(np.linspace(0.0, 1.0, self.grid_size())) if self.values is None else self.values
 
     def settings(self, value: Any) -> list[str]:
         """The ``key=value`` texts that give the model a value."""
