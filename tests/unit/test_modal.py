@@ -123,6 +123,16 @@ def test_modes_with_multipliers_lie_on_the_constraint():
     assert np.abs(upward).max() < 1e-9 * np.abs(modes.shapes).max()
 
 
+def test_rigid_bodies_alone_have_zero_modes():
+    """Nothing is elastic there, so that no frequency sets the scale."""
+    system = lm.System()
+    for name in ("hub", "arm"):
+        system.add(lm.RigidBody(name, mass=0.5, inertia=(2e-3, 3e-3, 4e-3)))
+    modes = lm.modes(system, 11)
+    assert np.abs(modes.frequencies).max() < 1e-6
+    assert np.linalg.matrix_rank(modes.shapes.reshape(len(modes.shapes), -1), tol=1e-6 * np.abs(modes.shapes).max()) == 11
+
+
 @pytest.mark.parametrize("n", [0, -3, 10_000])
 def test_impossible_number_of_modes_is_refused(n):
     with pytest.raises(DeclarationError, match=r"modes: n = .*accepted is 1 to"):

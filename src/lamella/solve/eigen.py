@@ -63,10 +63,10 @@ def lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int
     """
     scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
     K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
-    count = min(n + RIGID_MODES, len(magnitude) - len(J.indptr))
-    values, vectors = _nearest(K, M, J, count, -1e-3 * _typical(K, M))
+    count, typical = min(n + RIGID_MODES, len(magnitude) - len(J.indptr)), _typical(K, M)
+    values, vectors = _nearest(K, M, J, count, -1e-3 * typical)
     largest = np.abs(values).max()
-    if np.abs(values).min() < 1e-6 * largest:
+    if np.abs(values).min() < 1e-6 * largest and largest > ROUNDING * typical:
         values, vectors = _nearest(K, M, J, count, -0.1 * largest)
     chosen = np.argsort(values)[:n]
     return values[chosen], scale @ vectors[:, chosen]
@@ -82,7 +82,12 @@ def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: i
 
 
 def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
-    """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift."""
+    """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift.
+
+    Where nothing is elastic there is none, and 1 serves as well as any other.
+    """
+    if not K.count_nonzero():
+        return 1.0
     rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
     factor = linalg.splu(sparse.csc_matrix(K + rough * M))
     x, value = np.random.default_rng(0).standard_normal(len(K.indptr) - 1), 0.0
