@@ -165,6 +165,17 @@ def test_an_error_in_the_functions_is_told_with_the_force_and_the_time(which):
     assert isinstance(caught.value.__cause__, LookupError)
 
 
+@pytest.mark.parametrize("compute", [lambda system: lm.simulate(system, 0.1, lm.GeneralizedAlpha(1e-2)), lm.equilibrium])
+def test_forces_that_are_no_numbers_where_a_computation_begins_are_told(compute):
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.5), (1, 1), SHEET))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.UserForce("wind", [plate.marker("tip", 1.0, 0.25)], lambda t, r, v: np.full_like(r, np.nan)))
+    said = r"UserForce 'wind': 'function' gave \[\[nan, nan, nan\]\] at t = 0 s, .*accepted are finite numbers \[N\]"
+    with pytest.raises(DeclarationError, match=said):
+        compute(system)
+
+
 def test_impossible_declarations_are_named():
     with pytest.raises(DeclarationError, match="UserForce 'user': on"):
         lm.UserForce("user", (), well)

@@ -145,8 +145,12 @@ class UserForceBlock(ForceBlock):
         return F_r, F_v
 
     def _check(self, t: float, r: Floats, v: Floats) -> None:
-        """Compare a given tangent with differences, and a tangent of a potential with its transpose."""
+        """Refuse forces that are none, and compare a given tangent with differences, that of a potential with its transpose."""
         self._checked = True
+        start = self._called(t, r, v)
+        if not np.isfinite(start).all():
+            problem = f"'function' gave {reprlib.repr(start.tolist())} at t = {t:g} s, where the computation begins"
+            raise self._refused(problem, "accepted are finite numbers [N]")
         aside = 0.5 + 0.5 * np.modf(0.6180339887 * np.arange(1, 3 * self.n + 1))[0].reshape(-1, 3)  # all different, 0.5 to 1
         r, v = r + 1e-3 * self.size * aside, v + self.size * aside
         found = self._differences(t, r, v)
