@@ -323,6 +323,7 @@ def test_wrong_calls_are_told():
     for call, said in (
         (lambda: run.set("lod", 1.0), "there is no input 'lod'; there are: load"),
         (lambda: run.set("load", float("nan")), "'load' is set to nan"),
+        (lambda: run.set("load", 1e300), r"'load' is set to 1e\+300; accepted is a number of up to 1e\+30"),
         (lambda: run.set("load", "1 N"), "set: value = '1 N'; accepted is a number"),
         (lambda: run.advance("1 ms"), "advance: dt = '1 ms'; accepted is a number"),
         (lambda: run.get("tip"), "there is no output 'tip'"),

@@ -19,6 +19,9 @@ from lamella.switch import HeldForce
 if TYPE_CHECKING:
     from lamella.dofs import Build
 
+LARGEST = units.LARGEST[""]
+"""Size of what a law may give: the unit of a load is not known here."""
+
 if TYPE_CHECKING:
     Period = float
 else:
@@ -115,8 +118,9 @@ class ControlSampler(Memory):
         except Exception as error:
             raise ModelError(f"{item}: its law raised {type(error).__name__}: {error}; measured were {y}") from error
         for found, wanted, what in ((u, self.output, "outputs"), (x, self.state, "states")):
-            if found.shape != wanted.shape or not np.isfinite(found).all():
-                raise ModelError(f"{item}: its law gave the {what} {found}; accepted are {len(wanted)} finite numbers")
+            if found.shape != wanted.shape or not (np.abs(found) <= LARGEST).all():
+                count = f"accepted are {len(wanted)} finite numbers" if len(wanted) != 1 else "accepted is one finite number"
+                raise ModelError(f"{item}: its law gave the {what} {found}; {count} of up to {LARGEST:g}")
         self.output, self.state = u, x
         self._hold()
 

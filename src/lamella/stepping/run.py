@@ -26,6 +26,7 @@ from lamella.state import State
 from lamella.stepping.inputs import ITEM, Input, refuse_jumps, with_inputs
 from lamella.stepping.saved import decoded, encoded
 from lamella.system import System
+from lamella.units import LARGEST
 
 CLOSE = 1e-9
 """Share of the integrator's step within which two times are the same."""
@@ -169,12 +170,14 @@ class Stepping:
         """Set an input, which acts from the present time on.
 
         Raises:
-            DeclarationError: there is no such input, or the value is not a finite number.
+            DeclarationError: there is no such input, or the value is no number that can be computed with.
         """
         if name not in self._wanted:
             raise DeclarationError(ITEM, f"there is no input '{name}'", f"there are: {', '.join(self._wanted) or 'none'}")
-        if not np.isfinite(value):
-            raise DeclarationError(ITEM, f"the input '{name}' is set to {value}", "accepted is a finite number")
+        if not abs(value) <= LARGEST[""]:
+            raise DeclarationError(
+                ITEM, f"the input '{name}' is set to {value}", f"accepted is a number of up to {LARGEST['']:g}"
+            )
         self._wanted[name] = float(value)
 
     def get(self, name: str) -> float | Floats:
