@@ -213,6 +213,8 @@ class March:
     def run(self) -> Outcome:
         """Step to the end; whatever happens, what was recorded stays valid."""
         outcome = self._run()
+        if outcome.cause is not Cause.WRITE_FAILED:
+            self.recorder.finish(self.t, self.whole())
         return replace(outcome, events=tuple(self.watch.happened)) if self.watch.happened else outcome
 
     def _run(self) -> Outcome:

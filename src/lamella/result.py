@@ -216,11 +216,19 @@ class Recorder:
         spacing = (self.end - self.start) / max(self.frames, 1)
         due = self.start + len(self.frame_at) * spacing
         if not self.frame_at or (self.axis != "time") or at >= due - 1e-9 * abs(spacing):
-            self.frame_at.append(at)
-            self.frame_q.append(state.q.copy())
-            self.frame_v.append(state.v.copy())
-            for sink in self.sinks:
-                sink.frame(at, state)
+            self._keep(at, state)
+
+    def finish(self, at: float, state: State) -> None:
+        """Keep the last state as a frame: a run that ends early ends between two."""
+        if self.frame_at and self.frame_at[-1] < at:
+            self._keep(at, state)
+
+    def _keep(self, at: float, state: State) -> None:
+        self.frame_at.append(at)
+        self.frame_q.append(state.q.copy())
+        self.frame_v.append(state.v.copy())
+        for sink in self.sinks:
+            sink.frame(at, state)
 
     def samples(self) -> dict[str, Floats]:
         """All samples of each signal by its name, shape (n, n_label), with one column where it has no labels."""

@@ -45,6 +45,14 @@ def test_a_run_stops_at_the_moment_of_an_event():
     assert event.text == "stop: z of ball.position passes -0.3"
 
 
+def test_the_last_state_of_a_run_that_an_event_stops_is_in_its_file(tmp_path):
+    """Although no frame is due there."""
+    stopped = lm.simulate(ball(fallen("ground", 0.3)), 1.0, STEPS, frames=2)
+    stored = read_result(stopped.save(tmp_path / "run.h5"))
+    assert 0.0 < stored.frame_at[-1] == stopped.final.t < 0.5
+    np.testing.assert_array_equal(stored.final.q, stopped.final.q)
+
+
 @pytest.mark.parametrize(("direction", "expected"), [("rising", 0), ("falling", 1), ("any", 0)])
 def test_direction_chooses_among_crossings(direction, expected):
     """A ball thrown upwards passes 0.4 m twice."""

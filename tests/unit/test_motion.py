@@ -174,6 +174,8 @@ def test_a_run_interrupted_between_recorded_steps_ends_in_a_whole_state():
     assert result.final.t == pytest.approx(0.016)
     assert result.at[-1] == pytest.approx(0.015)
     assert result.final.reaction.shape == result.final.q.shape
+    assert result.frame_at[-1] == result.final.t
+    np.testing.assert_array_equal(result.frame_q[-1], result.final.q)
 
 
 def test_stride_records_less_and_sums_the_same():
