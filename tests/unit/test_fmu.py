@@ -175,6 +175,14 @@ def test_a_step_that_fails_is_told(units, fmi, tmp_path):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_step_before_there_is_a_motion_is_told(units, fmi, tmp_path):
+    unit = instance(units[fmi], fmi, tmp_path)
+    with pytest.raises(Exception, match=r"fmi\dDoStep failed with status (2 \(discard\)|3 \(error\))"):
+        unit.slave.doStep(0.0, STEP)  # told by the unit; an error in Python itself would be fatal
+    unit.slave.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
 def test_a_step_from_another_time_than_the_present_one_is_refused(units, fmi, tmp_path):
     unit = instance(units[fmi], fmi, tmp_path)
     unit.begin(0.0)

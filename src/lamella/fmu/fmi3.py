@@ -63,9 +63,9 @@ class Fmi3Unit(Fmi3Slave):
             reached = self.plant.advance(current_time, step_size)
         except LamellaError as error:
             self.log(str(error), Fmi3Status.error)
+            self.time = self.plant.t if self.plant.moves else self.time  # where a motion that fails stands
             return Fmi3StepResult(status=Fmi3Status.error)
-        finally:
-            self.time = self.plant.t  # also of a motion that stands before the end of the step
+        self.time = self.plant.t
         return Fmi3StepResult(status=Fmi3Status.ok, terminateSimulation=not reached)
 
     def _get_fmu_state(self) -> dict[str, Any]:

@@ -103,6 +103,11 @@ class Plant:
         return self._start[name] if self._stepping is None else float(self._stepping.get(name))
 
     @property
+    def moves(self) -> bool:
+        """Whether there is a motion yet."""
+        return self._stepping is not None
+
+    @property
     def t(self) -> float:
         """The present time [s]."""
         return self._running().t
