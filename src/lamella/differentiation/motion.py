@@ -30,7 +30,6 @@ from lamella.motion import March, consistent_start, refuse_spin
 from lamella.result import Recorder, Result, Statistics
 from lamella.roles import Floats
 from lamella.solve.linear import Method, linear_solver
-from lamella.solve.turned import Nodes
 from lamella.solve.turned_nodes import NodeTurns
 from lamella.state import State
 
@@ -130,7 +129,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         newton.patience = int(self.linear.pattern.symmetric and equations.is_exact)  # undamped, derivatives renew the matrix
         self.derivatives: list[PointDerivative] = []
         self._predictions = [Prediction(equations.magnitude) for _ in self.neighbours]
-        nodes = None if equations.n_lam else Nodes(equations)
+        nodes = self.vectors.nodes
         self._turns = NodeTurns(nodes) if nodes is not None and len(nodes.slopes) else None
         self._at_first: list[Floats | None] = []
 

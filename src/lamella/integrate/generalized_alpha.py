@@ -114,7 +114,8 @@ class GeneralizedAlphaStepper(Stepper):
             self.linear = self.newton.linear
         else:
             self.linear = linear_solver(equations.matrix.pattern, solver)
-            self.newton = NewtonSolver(form, self.linear, options.newton, statistics, Vectors(equations))
+            self.vectors = Vectors(equations)
+            self.newton = NewtonSolver(form, self.linear, options.newton, statistics, self.vectors)
         self.fields = FirstOrderRule(1.0 if options.heat == "central_difference" else options.rho_inf)
         self.change = ChangeSize(equations)
         self._per_size = 1.0 / equations.magnitude[:n]
