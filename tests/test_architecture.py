@@ -16,6 +16,7 @@ LAYERS = [
         "errors",
         "arguments",
         "memory",
+        "whole",
         "remembered",
         "units",
         "declaration",

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import atexit
 import json
-import os
 from contextlib import suppress
 from pathlib import Path
+
+from lamella.errors import ResultFileError
+from lamella.whole import write_text
 
 MOST = 5000
 """Quantities in the file; when there are more, it begins anew."""
@@ -48,11 +50,6 @@ class Remembered:
 
     def write(self) -> None:
         """Write the file whole or not at all; of two processes that end together one wins."""
-        partial = self.path.with_name(f"{self.path.name}-{os.getpid()}")
-        try:
+        with suppress(OSError, ResultFileError):
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            partial.write_text(json.dumps(self._values), encoding="utf-8")
-            os.replace(partial, self.path)
-        except OSError:
-            with suppress(OSError):
-                partial.unlink(missing_ok=True)
+            write_text(self.path, json.dumps(self._values))

@@ -17,7 +17,6 @@ from lamella.errors import ResultFileError
 from lamella.io.modes import write_modes
 from lamella.io.results import ResultWriter
 from lamella.io.vtk import write_vtkhdf
-from lamella.io.whole import replaced, replaced_hdf5, write_text
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.state import State
@@ -26,6 +25,7 @@ from lamella.viz.compose import save_gif
 from lamella.viz.page import write_page
 from lamella.viz.plots import plot_signals
 from lamella.viz.style import save_figure
+from lamella.whole import replaced, replaced_hdf5, write_text
 
 FILES = ("a.vtkhdf", "modes.h5", "run.h5", "saved.h5", "a.png", "a.svg", "a.pdf", "a.gif", "a.csv", "a.html")
 
@@ -77,12 +77,22 @@ def write_all(limit: int) -> None:
             print(error)
 
 
+def run_in(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
+    """Run code in a process of its own, in a new folder. It stores no bytecode, of which a limit would leave halves to others."""
+    folder.mkdir()
+    paths = os.pathsep.join([str(Path(__file__).parent), *(p for p in sys.path if p)])
+    environment = os.environ | {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-c", f"import test_whole\n{code}"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment, check=False)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="file size limits are a POSIX feature")
 def test_full_disk_is_told_and_leaves_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for the full disk. In a process of its own: HDF5 would end it."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *(p for p in sys.path if p)])}
-    command = [sys.executable, "-c", "import test_whole; test_whole.write_all(3000)"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment, check=False)
+    free, full = tmp_path / "free", tmp_path / "full"
+    run_in(free, "for name in test_whole.FILES: test_whole.write(name)").check_returncode()  # kernels are stored by this
+    assert sorted(path.name for path in free.iterdir()) == sorted(FILES)
+    done = run_in(full, "test_whole.write_all(3000)")
     assert done.returncode == 0, done.stderr
     assert not done.stderr
     said = done.stdout.splitlines()
@@ -90,7 +100,7 @@ def test_full_disk_is_told_and_leaves_nothing(tmp_path: Path) -> None:
     for name, line in zip(FILES, said, strict=True):
         assert f"'{name}' cannot be written: " in line
         assert "File too large" in line
-    assert not list(tmp_path.iterdir())
+    assert not list(full.iterdir())
 
 
 def spoil(writing: AbstractContextManager[object]) -> None:

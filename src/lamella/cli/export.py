@@ -9,9 +9,9 @@ from pathlib import Path
 from lamella.errors import ModelFileError, ResultFileError
 from lamella.io.results import read_result
 from lamella.io.stored_result import StoredResult
-from lamella.io.whole import write_text
 from lamella.study.folder import PICTURES, result_path
 from lamella.study.outputs import write_animation, write_pictures, write_run_report, write_signals
+from lamella.whole import write_text
 
 
 def plot_command(path: Path, signals: list[str], out: Path | None) -> None:

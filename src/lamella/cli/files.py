@@ -7,8 +7,8 @@ from pathlib import Path
 
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.examples import example, examples
-from lamella.io.whole import write_text
 from lamella.templates import template, templates
+from lamella.whole import write_text
 
 SCHEMA_LINE = "# yaml-language-server: $schema="
 SCHEMA_NAME = "lamella.schema.json"

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,6 +23,7 @@ from lamella.io.model_file import ModelFile, read_model
 from lamella.linear.inputs import Inputs
 from lamella.state import State
 from lamella.stepping.run import Stepping
+from lamella.whole import replaced
 
 PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """Package that makes a unit, by version of FMI."""
@@ -199,12 +198,6 @@ def _build(builder: Any, fmi: int, name: str, files: Sequence[Path], folder: Pat
 
 def _put(made: Path, target: Path) -> Path:
     """Move the whole unit to where it is wanted."""
-    beside = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        shutil.copyfile(made, beside)
-        beside.replace(target)
-    except OSError as error:
-        with suppress(OSError):
-            beside.unlink()
-        raise ResultFileError(f"'{target}' cannot be written: {error.strerror or error}") from error
+    with replaced(target) as partial:
+        shutil.copyfile(made, partial)
     return target

@@ -22,13 +22,13 @@ import numpy as np
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_unfit
-from lamella.io.whole import replaced_hdf5
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.shapes import Shapes
 from lamella.stability import Buckling
 from lamella.state import State
 from lamella.viz.solids import drawable, shaped, surface
+from lamella.whole import replaced_hdf5
 
 FORMAT, FORMAT_VERSION = "lamella modes", "1.0"
 AXIS = "mode"
@@ -50,15 +50,11 @@ def write_modes(modes: Shapes, path: str | Path, *, model_text: str | None = Non
     """
     path = Path(path)
     refuse_unfit(path)
-    try:
-        with replaced_hdf5(path, track_order=True) as file:
-            text = _text(modes) if model_text is None else model_text
-            file.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "title": title, "model": text}))
-            file.attrs.update(plain(origin()))
-            _write(file, modes)
-    except OSError as error:
-        text = f"'{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
-        raise ResultFileError(text) from error
+    with replaced_hdf5(path, track_order=True) as file:
+        text = _text(modes) if model_text is None else model_text
+        file.attrs.update(plain({"format": FORMAT, "format_version": FORMAT_VERSION, "title": title, "model": text}))
+        file.attrs.update(plain(origin()))
+        _write(file, modes)
     return path
 
 

@@ -47,10 +47,10 @@ from lamella.io.result_layout import (
     write_start,
 )
 from lamella.io.stored_result import StoredResult, read_result
-from lamella.io.whole import replaced
 from lamella.result import Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
+from lamella.whole import replaced
 
 __all__ = ["ResultWriter", "StoredResult", "frame_velocities", "model_text", "read_result", "write_result"]
 
@@ -243,27 +243,24 @@ def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
     refuse_unfit(path)
     signals, n_q = tuple(result.signals.values()), result.frame_q.shape[1] if result.frame_q.ndim == 2 else 0
     text, missing = model_text(result)
-    try:
-        with replaced(path) as partial:
-            writer = ResultWriter(
-                partial,
-                signals,
-                result.axis,
-                n_q,
-                model_text=text,
-                model_missing=missing,
-                title=title,
-                overwrite=True,
-                imperfection=result.imperfection,
-                shown=path,
-            )
-            try:
-                _write_all(writer, result)
-            except ResultFileError:
-                writer.discard()
-                raise
-    except OSError as error:
-        raise ResultFileError(f"result file '{path}' cannot be written: {error.strerror or error}") from error
+    with replaced(path, "result file") as partial:
+        writer = ResultWriter(
+            partial,
+            signals,
+            result.axis,
+            n_q,
+            model_text=text,
+            model_missing=missing,
+            title=title,
+            overwrite=True,
+            imperfection=result.imperfection,
+            shown=path,
+        )
+        try:
+            _write_all(writer, result)
+        except ResultFileError:
+            writer.discard()
+            raise
     return path
 
 

@@ -21,10 +21,10 @@ import numpy as np
 from lamella.arguments import TEXT, accepts, at_least, optional, sequence
 from lamella.errors import ResultFileError
 from lamella.io.result_layout import Node, refuse_unfit
-from lamella.io.whole import replaced_hdf5
 from lamella.roles import Floats, Ints
 from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
+from lamella.whole import replaced_hdf5
 
 if TYPE_CHECKING:
     from lamella.result import Result
@@ -59,12 +59,8 @@ def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fiel
         raise ResultFileError(
             f"'{path}': the result has no frame of a plate or of a body with a shape; accepted is a run that got beyond its start"
         )
-    try:
-        with replaced_hdf5(path) as file:
-            _write(file.create_group("VTKHDF"), result, per_element, chosen)
-    except OSError as error:
-        text = f"'{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
-        raise ResultFileError(text) from error
+    with replaced_hdf5(path) as file:
+        _write(file.create_group("VTKHDF"), result, per_element, chosen)
     return path
 
 

@@ -17,6 +17,7 @@ from lamella.arguments import WHOLE, accepts, numbers
 from lamella.errors import DeclarationError, MissingExtraError, ModelError, ResultFileError
 from lamella.linear.balanced import balanced_truncation
 from lamella.roles import Floats
+from lamella.whole import replaced
 
 Complexes = NDArray[np.complex128]
 
@@ -198,20 +199,16 @@ class StateSpace:
             ResultFileError: another suffix, or the file cannot be written.
         """
         path, data = Path(path), self._data()
-        try:
+        if path.suffix not in (".npz", ".mat"):
+            raise ResultFileError(f"linear model '{path}': unknown suffix '{path.suffix}'; accepted are .npz and .mat")
+        with replaced(path) as partial, partial.open("wb") as file:  # savemat's own errors of opening a file say nothing
             if path.suffix == ".npz":
-                np.savez(path, allow_pickle=False, **{key: np.asarray(value) for key, value in data.items()})
-            elif path.suffix == ".mat":
+                np.savez(file, allow_pickle=False, **{key: np.asarray(value) for key, value in data.items()})
+            else:
                 from scipy.io import savemat
 
                 texts = {key: np.array(value, dtype=object) if key in NAMES else value for key, value in data.items()}
-                with path.open("wb") as file:  # savemat's own errors of files that cannot be opened say nothing
-                    savemat(file, texts, oned_as="column")
-            else:
-                raise ResultFileError(f"linear model '{path}': unknown suffix '{path.suffix}'; accepted are .npz and .mat")
-        except OSError as error:
-            why = error.strerror or error
-            raise ResultFileError(f"'{path}' cannot be written: {why}; accepted is a file in a writable folder") from error
+                savemat(file, texts, oned_as="column")
         return path
 
     @classmethod

@@ -22,6 +22,7 @@ from lamella.study.interruption import Interruption
 from lamella.study.run import Say, run_model, silent
 from lamella.sweep.outputs import recorded
 from lamella.sweep.table import write_tables
+from lamella.whole import write_text
 
 HISTORY, BEST = "history", "best"
 
@@ -177,10 +178,7 @@ def _write(found: OptimisationResult, family: FileFamily, folder: Path, pictures
     files = write_tables(found.columns(), folder, HISTORY)
     best = family.model(found.best.values)
     path = folder / "best.yaml"
-    try:
-        path.write_text(best.text(), encoding="utf-8")
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+    write_text(path, best.text())
     files.append(path)
     if pictures:
         from lamella.optimisation.report import write_report_of

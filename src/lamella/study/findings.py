@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from lamella.io.whole import write_text
+from lamella.whole import write_text
 
 
 @dataclass(frozen=True)

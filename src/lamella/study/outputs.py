@@ -13,13 +13,13 @@ from lamella.errors import ResultFileError
 from lamella.io.analysis import Analysis, Output, shape_table
 from lamella.io.model_file import ModelFile
 from lamella.io.modes import mode_frames, natural_amplitude, write_modes
-from lamella.io.whole import replaced
 from lamella.model import Model
 from lamella.result import Result
 from lamella.shapes import Shapes
 from lamella.study.folder import MODES, PICTURES
 from lamella.study.size import size_of
 from lamella.viz.solids import drawable
+from lamella.whole import replaced
 
 if TYPE_CHECKING:
     from lamella.viz.report import Section
@@ -258,14 +258,11 @@ def write_rows(path: Path, heading: Sequence[str], rows: Iterable[Sequence[objec
     Raises:
         ResultFileError: it cannot be written.
     """
-    try:
-        with replaced(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(heading)
-            if numbers:
-                file.writelines(f"{','.join(map(repr, row))}\r\n" for row in rows)
-            else:
-                writer.writerows(rows)
-    except OSError as error:
-        raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+    with replaced(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(heading)
+        if numbers:
+            file.writelines(f"{','.join(map(repr, row))}\r\n" for row in rows)
+        else:
+            writer.writerows(rows)
     return path

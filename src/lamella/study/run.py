@@ -12,7 +12,6 @@ from lamella.errors import ConvergenceError, LamellaError, ModelFileError, Resul
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
 from lamella.io.results import ResultWriter
-from lamella.io.whole import write_text
 from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.progress import ProgressBar
@@ -21,6 +20,7 @@ from lamella.study.folder import MODEL, RESULT, check_folder, open_folder, swept
 from lamella.study.interruption import Interruption
 from lamella.study.linear_outputs import write_linear_outputs
 from lamella.study.outputs import write_outputs
+from lamella.whole import write_text
 
 Say = Callable[[str], None]
 

@@ -15,6 +15,7 @@ from lamella.errors import ResultFileError
 from lamella.study.folder import open_folder
 from lamella.sweep.study import Checked
 from lamella.sweep.task import Row
+from lamella.whole import replaced, write_text
 
 IDENTITY, RUNS = "study.json", "runs"
 TABLES = ("table.csv", "table.parquet", "sensitivity.csv")
@@ -46,8 +47,8 @@ class Store:
         try:
             (folder / RUNS).mkdir(exist_ok=True)
             if checked.source:
-                (folder / STUDY_COPY).write_text(checked.source, encoding="utf-8")
-            _write_whole(folder / IDENTITY, identity)
+                write_text(folder / STUDY_COPY, checked.source)
+            _write(folder / IDENTITY, identity)
         except OSError as error:
             raise ResultFileError(f"'{folder}' cannot be written: {error.strerror or error}") from error
 
@@ -69,10 +70,7 @@ class Store:
         Raises:
             ResultFileError: it cannot be written.
         """
-        try:
-            _write_whole(self._path(row.number), asdict(row))
-        except OSError as error:
-            raise ResultFileError(f"'{self._path(row.number)}' cannot be written: {error.strerror or error}") from error
+        _write(self._path(row.number), asdict(row))
 
     def _path(self, number: int) -> Path:
         return self.folder / RUNS / f"{number:06d}.json"
@@ -118,10 +116,9 @@ def _clear(folder: Path) -> None:
         raise ResultFileError(f"'{folder}' cannot be cleared: {error.strerror or error}") from error
 
 
-def _write_whole(path: Path, content: dict[str, Any]) -> None:
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with partial.open("w", encoding="utf-8") as file:
+def _write(path: Path, content: dict[str, Any]) -> None:
+    """Write it whole or not at all, also when the machine stops."""
+    with replaced(path) as partial, partial.open("w", encoding="utf-8") as file:
         json.dump(content, file, indent=1, ensure_ascii=False)
         file.flush()
         os.fsync(file.fileno())
-    os.replace(partial, path)

@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from lamella.errors import DeclarationError, ResultFileError
+from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.study.outputs import write_rows
 from lamella.sweep.parameter import columns_of
 from lamella.sweep.study import ParameterStudy
 from lamella.sweep.task import Row
+from lamella.whole import replaced
 
 
 @dataclass(frozen=True)
@@ -86,11 +87,9 @@ def write_tables(columns: Mapping[str, Sequence[object]], folder: Path, name: st
         import pyarrow.parquet
 
         path = folder / f"{name}.parquet"
-        try:
-            table = pyarrow.Table.from_arrays([arrow(values) for values in columns.values()], names=list(columns))
-            pyarrow.parquet.write_table(table, path)
-        except OSError as error:
-            raise ResultFileError(f"'{path}' cannot be written: {error.strerror or error}") from error
+        table = pyarrow.Table.from_arrays([arrow(values) for values in columns.values()], names=list(columns))
+        with replaced(path) as partial:
+            pyarrow.parquet.write_table(table, partial)
         files.append(path)
     return files
 

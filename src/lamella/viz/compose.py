@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lamella.errors import MissingExtraError, ResultFileError
-from lamella.io.whole import replaced
+from lamella.errors import MissingExtraError
 from lamella.viz.camera import Camera
 from lamella.viz.renderer import ColourScale, Picture
 from lamella.viz.style import save_figure, styled
+from lamella.whole import replaced
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -121,7 +120,7 @@ def save_gif(pictures: Iterable[Picture], path: Path, seconds: float) -> Path:
     drawn = list(pictures)
     palette = _palette(drawn)
     frames = [Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE) for picture in drawn]
-    with _writing(path), replaced(path) as partial:
+    with replaced(path, "animation") as partial:
         options = {"save_all": True, "append_images": frames[1:], "loop": 0, "optimize": False}
         frames[0].save(partial, format="GIF", duration=max(20, 10 * round(100 * seconds)), **options)
     return path
@@ -141,7 +140,7 @@ def save_mp4(pictures: Iterable[Picture], path: Path, seconds: float) -> Path:
             f"animation '{path}': MP4 needs 'pip install imageio imageio-ffmpeg'; .gif needs nothing"
         ) from error
     del imageio_ffmpeg  # imageio finds it by itself; the import tells only that it is there
-    with _writing(path), get_writer(path, fps=1.0 / seconds, macro_block_size=2) as film:
+    with replaced(path, "animation") as partial, get_writer(partial, fps=1.0 / seconds, macro_block_size=2) as film:
         for picture in pictures:
             film.append_data(picture)  # pyright: ignore[reportAttributeAccessIssue] -- imageio's type of a writer is too wide
     return path
@@ -169,12 +168,3 @@ def _palette(pictures: Sequence[Picture]) -> Image:
     palette = Image.new("P", (1, 1))
     palette.putpalette([255, 255, 255, *entries.reshape(-1).tolist()])
     return palette
-
-
-@contextlib.contextmanager
-def _writing(path: Path) -> Any:
-    try:
-        yield
-    except OSError as error:
-        text = f"animation '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
-        raise ResultFileError(text) from error

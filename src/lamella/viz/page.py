@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from lamella.errors import ResultFileError
 from lamella.io.provenance import versions
-from lamella.io.whole import replaced
 from lamella.viz.style import styled
+from lamella.whole import unwritable, write_text
 
 if TYPE_CHECKING:
     from matplotlib import figure as matplotlib_figure
@@ -50,11 +50,7 @@ def write_page(path: Path, text: str, what: str = "report") -> Path:
     Raises:
         ResultFileError: it cannot be written.
     """
-    try:
-        with replaced(path) as partial:
-            partial.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise _unwritable(path, what, error) from error
+    write_text(path, text, what)
     return path
 
 
@@ -72,13 +68,7 @@ def refuse_unwritable(path: Path, what: str = "report") -> None:
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:
-        raise _unwritable(path, what, error) from error
-
-
-def _unwritable(path: Path, what: str, error: OSError) -> ResultFileError:
-    return ResultFileError(
-        f"{what} '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
-    )
+        raise unwritable(path, error, what) from error
 
 
 def embedded(source: str | Path | matplotlib_figure.Figure) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lamella.errors import ResultFileError
-from lamella.io.whole import replaced
+from lamella.whole import replaced
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,18 +114,14 @@ def save_figure(figure: Figure, path: str | Path, dpi: int = RC["savefig.dpi"], 
     kind = path.suffix.lower()
     if kind not in formats:
         raise ResultFileError(f"figure '{path}': unknown suffix '{path.suffix}'; accepted are {', '.join(formats)}")
-    try:
-        drawn = io.BytesIO()  # where a disk is full, the writer of PDF fails with what hides the cause
-        with styled():
-            if kind == ".png":
-                _save_png(figure, drawn, dpi, colours)
-            else:
-                figure.savefig(drawn, format=kind[1:], metadata=formats[kind])
-        with replaced(path) as partial:
-            partial.write_bytes(drawn.getvalue())
-    except OSError as error:
-        text = f"figure '{path}' cannot be written: {error.strerror or error}; accepted is a file in a writable folder"
-        raise ResultFileError(text) from error
+    drawn = io.BytesIO()  # where a disk is full, the writer of PDF fails with what hides the cause
+    with styled():
+        if kind == ".png":
+            _save_png(figure, drawn, dpi, colours)
+        else:
+            figure.savefig(drawn, format=kind[1:], metadata=formats[kind])
+    with replaced(path, "figure") as partial:
+        partial.write_bytes(drawn.getvalue())
     return path
 
 
