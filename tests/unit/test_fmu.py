@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import json
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -81,7 +83,7 @@ def instance(path: Path, fmi: int, folder: Path) -> SimpleNamespace:
     cls, key = (fmi2.FMU2Slave, description.guid) if fmi == 2 else (fmi3.FMU3Slave, description.instantiationToken)
     identifier = description.coSimulation.modelIdentifier
     slave = cls(guid=key, unzipDirectory=where, modelIdentifier=identifier, instanceName="unit")
-    slave.instantiate()
+    slave.instantiate(loggingOn=True)
     get, put = (slave.getReal, slave.setReal) if fmi == 2 else (slave.getFloat64, slave.setFloat64)
 
     def begin(level: float) -> None:
@@ -196,6 +198,58 @@ def test_a_step_from_another_time_than_the_present_one_is_refused(units, fmi, tm
     with pytest.raises(DeclarationError, match=r"a step of 0\.005 s from 0\.05 s; accepted is one from the present time, 0 s"):
         _plant(units[fmi], tmp_path / "plain").advance(0.05, STEP)
     unit.slave.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_variable_that_is_not_there_or_cannot_be_set_is_told(units, fmi, tmp_path, capfd):
+    unit = instance(units[fmi], fmi, tmp_path)
+    unit.begin(0.0)
+    get, put = (unit.slave.getReal, unit.slave.setReal) if fmi == 2 else (unit.slave.getFloat64, unit.slave.setFloat64)
+    first = [] if fmi == 2 else ["time"]
+    there = ", ".join(f"{i} ({name})" for i, name in enumerate([*first, "actuator", *OUTPUTS]))
+    unknown = f"FMU 'plant': no variable has the reference 99; accepted is one of {there}"
+    held = len(first) + 1
+    cases = [
+        (lambda: get([0, 99]), unknown),
+        (lambda: put([99], [1.0]), unknown),
+        (lambda: put([held], [1.0]), f"FMU 'plant': '{OUTPUTS[0]}' is set; accepted is an input: actuator"),
+        (lambda: put([held - 1], [np.nan]), "the input 'actuator' is set to nan; accepted is a number of up to 1e+30"),
+    ]
+    if fmi == 3:
+        cases.append((lambda: put([0], [1.0]), "FMU 'plant': 'time' is set; accepted is an input: actuator"))
+    kept = _references()
+    for ask, said in cases:
+        capfd.readouterr()
+        with pytest.raises(Exception, match=r"fmi\d[GS]et\w+ failed"):
+            ask()
+        assert said in "".join(capfd.readouterr())
+    assert _references() == kept  # what is given up for an error would be used when the unit is freed
+    assert get([held - 1]) == [0.0]  # as it was set
+    assert len(unit.march(0, 2)) == 2
+    unit.slave.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_bytes_that_are_no_state_are_told(units, fmi, tmp_path, capfd):
+    unit = instance(units[fmi], fmi, tmp_path)
+    unit.begin(0.0)
+    run = json.dumps({"inputs": {"actuator": 0.0}, "run": "AAAA"}).encode()
+    other = json.dumps({"inputs": {}, "run": None}).encode()
+    of_unit, of_run = "accepted is one that this unit has given", "accepted is what save() gave"
+    for written, said in ((b"{", of_unit), (b"[]", of_unit), (other, of_unit), (run, of_run)):
+        capfd.readouterr()
+        with pytest.raises(Exception, match="failed"):
+            unit.slave.setFMUState(unit.load(written))
+        assert said in "".join(capfd.readouterr())
+    assert len(unit.march(0, 2)) == 2
+    unit.slave.freeInstance()
+
+
+def _references() -> list[int]:
+    """How many references there are to the instance that a binary made last, to its class and to its messages."""
+    gc.collect()
+    own = [item for item in gc.get_objects() if type(item).__name__ == "plant"][-1]
+    return [sys.getrefcount(item) for item in (own, type(own), own.log_queue)]
 
 
 def _plant(path: Path, folder: Path) -> Plant:

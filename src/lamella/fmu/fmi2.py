@@ -9,10 +9,13 @@ from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, Real
 from pythonfmu.enums import Fmi2Status, Fmi2Variability
 
 from lamella.errors import LamellaError
-from lamella.fmu.plant import Plant, Variable
+from lamella.fmu.lasting import lasting
+from lamella.fmu.plant import Plant, Variable, as_state
 from lamella.fmu.units import NONE, base_units, is_structured
+from lamella.fmu.variables import Variables
 
 
+@lasting
 class Fmi2Unit(Fmi2Slave):
     """Shows a :class:`Plant` to FMI 2."""
 
@@ -20,7 +23,7 @@ class Fmi2Unit(Fmi2Slave):
         super().__init__(**options)
         self.plant = Plant(str(self.resources))
         interface = self.plant.interface
-        self.modelName, self.description = interface.name, interface.description
+        self.modelName, self.description, self.vars = interface.name, interface.description, Variables(interface.name)
         self._t_start = interface.t_start
         self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)
         for item in interface.inputs:
@@ -29,14 +32,13 @@ class Fmi2Unit(Fmi2Slave):
             self._add(item, Fmi2Causality.output, lambda name=item.name: self.plant.output(name))
 
     def _add(self, item: Variable, causality: Fmi2Causality, getter: Any) -> None:
-        setter = (lambda value: self.plant.set(item.name, value)) if causality is Fmi2Causality.input else None
         variable = Real(
             item.name,
             causality=causality,
             variability=Fmi2Variability.continuous,
             description=item.description,
             getter=getter,
-            setter=setter,
+            setter=lambda value: self.plant.set(item.name, value),
         )
         self.register_variable(variable, nested=False)
 
@@ -79,5 +81,9 @@ class Fmi2Unit(Fmi2Slave):
     def _get_fmu_state(self) -> dict[str, Any]:
         return self.plant.save()
 
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _set_fmu_state(self, state: Any) -> None:
         self.plant.restore(state)
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> Any:
+        return as_state(state)

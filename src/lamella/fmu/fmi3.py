@@ -8,10 +8,13 @@ from xml.etree.ElementTree import Element
 from pythonfmu3 import DefaultExperiment, Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
 
 from lamella.errors import LamellaError
-from lamella.fmu.plant import Plant, Variable
+from lamella.fmu.lasting import lasting
+from lamella.fmu.plant import Plant, Variable, as_state
 from lamella.fmu.units import NONE, base_units, is_structured
+from lamella.fmu.variables import Variables
 
 
+@lasting
 class Fmi3Unit(Fmi3Slave):
     """Shows a :class:`Plant` to FMI 3."""
 
@@ -19,20 +22,20 @@ class Fmi3Unit(Fmi3Slave):
         super().__init__(**options)
         self.plant = Plant(str(self.resources))
         interface = self.plant.interface
-        self.modelName, self.description = interface.name, interface.description
+        self.modelName, self.description, self.vars = interface.name, interface.description, Variables(interface.name)
         self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)
         self.time = interface.t_start
         units = sorted({item.unit for item in (*interface.inputs, *interface.outputs)} - {NONE} | {"s"})
         self.register_units([Unit(unit, **_numbers(base_units(unit))) for unit in units])
         kind = {"causality": Fmi3Causality.independent, "variability": Fmi3Variability.continuous}
-        self.register_variable(Float64("time", unit="s", getter=lambda: self.time, **kind), nested=False)
+        time = {"getter": lambda: self.time, "setter": lambda value: self.plant.set("time", value)}
+        self.register_variable(Float64("time", unit="s", **kind, **time), nested=False)
         for item in interface.inputs:
             self._add(item, Fmi3Causality.input, lambda name=item.name: self.plant.input(name))
         for item in interface.outputs:
             self._add(item, Fmi3Causality.output, lambda name=item.name: self.plant.output(name))
 
     def _add(self, item: Variable, causality: Fmi3Causality, getter: Any) -> None:
-        setter = (lambda value: self.plant.set(item.name, value)) if causality is Fmi3Causality.input else None
         variable = Float64(
             item.name,
             causality=causality,
@@ -40,7 +43,7 @@ class Fmi3Unit(Fmi3Slave):
             description=item.description,
             unit=None if item.unit == NONE else item.unit,
             getter=getter,
-            setter=setter,
+            setter=lambda value: self.plant.set(item.name, value),
         )
         self.register_variable(variable, nested=False)
 
@@ -69,11 +72,15 @@ class Fmi3Unit(Fmi3Slave):
         return Fmi3StepResult(status=Fmi3Status.ok, terminateSimulation=not reached)
 
     def _get_fmu_state(self) -> dict[str, Any]:
-        return {"time": self.time, "plant": self.plant.save()}
+        return {"time": self.time, **self.plant.save()}
 
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        self.time = state["time"]
-        self.plant.restore(state["plant"])
+    def _set_fmu_state(self, state: Any) -> None:
+        self.plant.restore(state)
+        self.time = self.plant.t if self.plant.moves else state.get("time", self.time)
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> Any:
+        return as_state(state)
 
 
 def _numbers(exponents: dict[str, str]) -> dict[str, Any]:

@@ -93,10 +93,17 @@ class Plant:
         return self._set[name]
 
     def set(self, name: str, value: float) -> None:
-        """Set an input."""
-        self._set[name] = value
+        """Set an input.
+
+        Raises:
+            DeclarationError: the variable is none, or the value is not finite, or too large.
+        """
+        if name not in self._set:
+            inputs = ", ".join(self._set) or "it has none"
+            raise DeclarationError(f"FMU '{self.interface.name}'", f"'{name}' is set", f"accepted is an input: {inputs}")
         if self._stepping is not None:
             self._stepping.set(name, value)
+        self._set[name] = value
 
     def output(self, name: str) -> float:
         """An output at the present time."""
@@ -132,20 +139,40 @@ class Plant:
         run = None if self._stepping is None else base64.b64encode(self._stepping.save()).decode()
         return {"inputs": dict(self._set), "run": run}
 
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take back what :meth:`save` gave."""
-        self._set = dict(saved["inputs"])
-        if saved["run"] is None:
+    def restore(self, saved: Any) -> None:
+        """Take back what :meth:`save` gave.
+
+        Raises:
+            DeclarationError: it is something else, or of another unit.
+        """
+        accepted = "accepted is one that this unit has given"
+        try:
+            inputs, run = dict(saved["inputs"]), saved["run"]
+            state = None if run is None else base64.b64decode(run, validate=True)
+        except (KeyError, TypeError, ValueError) as error:
+            raise DeclarationError(f"FMU '{self.interface.name}'", "what is restored is no state", accepted) from error
+        if inputs.keys() != self._set.keys():
+            raise DeclarationError(f"FMU '{self.interface.name}'", "what is restored is the state of another unit", accepted)
+        if state is None:
             self._stepping = None
         else:
             if self._stepping is None:
                 self._stepping = stepping(self._folder, self.interface, self.interface.t_start)
-            self._stepping.restore(base64.b64decode(saved["run"]))
+            self._stepping.restore(state)
+        self._set = inputs
 
     def _running(self) -> Stepping:
         if self._stepping is None:
             raise DeclarationError(f"FMU '{self.interface.name}'", "it has not been initialised", "initialise it before a step")
         return self._stepping
+
+
+def as_state(written: bytes) -> Any:
+    """What :meth:`Plant.save` gave, from its JSON; None where it is none, which :meth:`Plant.restore` then tells."""
+    try:
+        return json.loads(written)
+    except ValueError:
+        return None
 
 
 def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
