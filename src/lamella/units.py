@@ -7,10 +7,10 @@ import math
 import re
 import shutil
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from platformdirs import user_cache_path
 from pydantic import BeforeValidator, Field
@@ -27,6 +27,39 @@ class Unit:
     """The SI unit of an annotated number; shown in messages, schema and result files."""
 
     symbol: str
+
+
+@dataclass(frozen=True)
+class OfProfile:
+    """Marks a number of a profile: its unit is that of what the profile stands for, over seconds to a power.
+
+    Args:
+        power: of seconds; None where it is the place in a list.
+    """
+
+    power: int | None = 0
+
+
+@cache
+def unit_in(annotation: Any) -> str | None:
+    """The unit of the numbers or profiles that an annotation allows; None where it says none."""
+    for mark in getattr(annotation, "__metadata__", ()):
+        if isinstance(mark, Unit):
+            return mark.symbol
+    return next((unit for unit in map(unit_in, get_args(annotation)) if unit is not None), None)
+
+
+ANY = "any unit"
+"""Stands for the unit of a profile that nothing refers to."""
+
+
+def per_second(unit: str, power: int) -> str:
+    """The unit over seconds to a power, in which profiles of that unit grow."""
+    if not power or unit == ANY:
+        return unit
+    if unit.endswith("/s"):
+        unit, power = unit.removesuffix("/s"), power + 1
+    return f"{unit or '1'}/s^{power}" if power > 1 else f"{unit or '1'}/s"
 
 
 @cache
@@ -55,6 +88,7 @@ def to_si(value: object, unit: str) -> float:
         UnitError: unknown or incompatible unit, not a number, NaN or infinite.
     """
     accepted = f"accepted is a number in {unit} or text such as '1.5 {unit}'" if unit else "accepted is a plain number"
+    accepted = "accepted is a number or text such as '1.5 mm'" if unit == ANY else accepted
     if isinstance(value, bool) or not (isinstance(value, str) or hasattr(value, "__float__")):  # as numbers of NumPy have
         raise UnitError(f"{value!r} is not a number; {accepted}")
     try:
@@ -90,6 +124,8 @@ def _by_pint(text: str, unit: str, accepted: str) -> float:
         raise UnitError(f"'{text}' is not a number with a known unit; {accepted}") from error
     if not quantity.unit_items():  # no unit at all; '50 percent' and '1 mm/m' have one, which must be converted
         return float(quantity.magnitude)
+    if unit == ANY:
+        return float(quantity.to_base_units().magnitude)
     try:
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as error:
@@ -114,21 +150,22 @@ def in_base_units(unit: str) -> tuple[float, dict[str, float]]:
     return float(found.magnitude), {name: float(power) for name, power in found.unit_items()}
 
 
-def _validator(unit: str, unlimited: bool) -> BeforeValidator:
+def limited(value: object, unit: str, *, unlimited: bool = False) -> float:
+    """A number in ``unit`` that can be computed with, from a number or a string; arguments as those of :func:`quantity`.
+
+    Raises:
+        ValueError: it is none, or too large.
+    """
+    if unlimited and isinstance(value, float) and value == math.inf:
+        return value
+    try:
+        number = to_si(value, unit)
+    except UnitError as error:
+        raise ValueError(str(error)) from error
     largest = LARGEST.get(unit, LARGEST[""])
-
-    def convert(value: object) -> float:
-        if unlimited and isinstance(value, float) and value == math.inf:
-            return value
-        try:
-            number = to_si(value, unit)
-        except UnitError as error:
-            raise ValueError(str(error)) from error
-        if abs(number) > largest:
-            raise ValueError(f"{number} is too large to compute with; accepted is at most {largest:g} {unit}".rstrip())
-        return number
-
-    return BeforeValidator(convert, json_schema_input_type=float | str)
+    if abs(number) > largest:
+        raise ValueError(f"{number} is too large to compute with; accepted is at most {largest:g} {unit}".rstrip())
+    return number
 
 
 def quantity(unit: str, *, unlimited: bool = False, **limits: float) -> Any:
@@ -136,17 +173,19 @@ def quantity(unit: str, *, unlimited: bool = False, **limits: float) -> Any:
 
     With ``unlimited`` it may be infinite, as a bound that holds nothing back is.
     """
-    return Annotated[float, Unit(unit), _validator(unit, unlimited), Field(json_schema_extra={"unit": unit}, **limits)]  # type: ignore[arg-type]
+    convert = BeforeValidator(partial(limited, unit=unit, unlimited=unlimited), json_schema_input_type=float | str)
+    return Annotated[float, Unit(unit), convert, Field(json_schema_extra={"unit": unit}, **limits)]  # type: ignore[arg-type]
 
 
 if TYPE_CHECKING:
-    Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
+    Value = Number = Positive = NonNegative = Length = Thickness = Angle = Time = Mass = Density = Modulus = float
     Force = ForcePerLength = Pressure = Torque = TorquePerLength = Velocity = AngularVelocity = Acceleration = Rate = float
     Expansion = Conductivity = SpecificHeat = Inertia = Product = float
     Temperature = TemperatureGradient = HeatFlux = HeatSource = FilmCoefficient = Share = float
     Stiffness = Damping = TorsionalStiffness = TorsionalDamping = float
 else:
     Number = quantity("")
+    Value = Annotated[Number, OfProfile()]
     Positive = quantity("", gt=0)
     NonNegative = quantity("", ge=0)
     Length = quantity("m")

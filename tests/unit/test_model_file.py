@@ -6,6 +6,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import lamella as lm
@@ -209,6 +210,81 @@ def test_supports_of_edges_and_linear_constraints_are_read_and_written() -> None
     again = {item.name: item for item in loads(text).system.declarations}
     assert again["lever"] == items["lever"]
     assert again["foot"].motion == items["foot"].motion
+
+
+DRIVEN = """\
+lamella: 1
+profiles:
+  push: {kind: table, times: [0, 500 ms], values: [0 mm, 10 mm]}
+  turn: {kind: smooth_step, t_end: 1 s, end: 90 deg}
+  share: {kind: ramp, t_end: 1 s, end: 50 percent}
+  unused: {kind: ramp, t_end: 1 s, end: 3 km}
+system:
+  ground: {type: ground}
+  crank: {type: rigid_body, mass: 1, inertia: [1, 1, 1]}
+  pin: {type: revolute_joint, a: ground.origin, b: crank.origin}
+  motor: {type: angle_drive, on: pin, speed: {kind: ramp, t_end: 2 s, start: 30 rpm, end: 60 rpm}}
+  spring: {type: torsion_spring, on: pin, stiffness: 1, rest_angle: turn, preload: 3 N*cm}
+  slider: {type: rigid_body, mass: 1, inertia: [1, 1, 1]}
+  rail: {type: prismatic_joint, a: ground.origin, b: slider.origin}
+  feed:
+    type: slide_drive
+    on: rail
+    displacement: {kind: integral, start: 5 mm, of: {kind: polynomial, t_end: 1 s, coefficients: [1 mm/s, 2 mm/s^2]}}
+  stop: {type: slide_spring, on: rail, stiffness: 1, rest: push, preload: {kind: harmonic, amplitude: 2 kN, frequency: 1 Hz}}
+  winch: {type: distance_joint, a: ground.origin, b: slider.origin, length: 1 m, change: {kind: integral, of: -5 mm/s}}
+  push: {type: gravity, profile: share}
+"""
+
+
+def test_profiles_have_the_unit_of_what_they_stand_for() -> None:
+    found = {item.name: item for item in loads(DRIVEN).system.declarations}
+    assert found["motor"].speed == lm.Ramp(t_end=2.0, start=np.pi, end=2 * np.pi)
+    assert found["spring"].rest_angle == lm.SmoothStep(t_end=1.0, end=np.pi / 2)
+    assert found["spring"].preload == lm.Constant(0.03)
+    assert found["feed"].displacement == lm.Integral(lm.Polynomial((1e-3, 2e-3), t_end=1.0), start=5e-3)
+    assert found["stop"].rest == lm.Table((0.0, 0.5), (0.0, 0.01))
+    assert found["stop"].preload == lm.Harmonic(2000.0, 1.0)
+    assert found["winch"].change == lm.Integral(-5e-3)
+    assert found["push"].profile == lm.Ramp(t_end=1.0, end=0.5)
+    again = {item.name: item for item in loads(loads(DRIVEN).text()).system.declarations}
+    assert again == found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "said"),
+    [
+        ("end: 60 rpm", "end: 60 mm", "system.motor.speed.end", "'60 mm' has the unit mm, which does not convert to rad/s"),
+        ("[0 mm, 10 mm]", "[0 mm, 10 kg]", "profiles.push.values[1]", "'10 kg' has the unit kg, which does not convert to m;"),
+        ("[0 mm, 10 mm]", "10 mm", "profiles.push.values", "found '10 mm'; accepted is a list"),
+        ("rest: push", "rest: turn", "profiles.turn.end", "'90 deg' has the unit deg, which does not convert to m;"),
+        ("start: 5 mm", "start: 5 mm/s", "system.feed.displacement.start", "which does not convert to m;"),
+        ("2 mm/s^2", "2 mm/s", "system.feed.displacement.of.coefficients[1]", "which does not convert to m/s^2;"),
+        ("of: -5 mm/s", "of: -5 mm", "system.winch.change.of", "'-5 mm' has the unit mm, which does not convert to m/s;"),
+        ("preload: 3 N*cm", "preload: 3 N", "system.spring.preload", "'3 N' has the unit N, which does not convert to N m;"),
+        ("preload: 3 N*cm", "preload: 3e40", "system.spring.preload", "too large to compute with; accepted is at most 1e+30"),
+        ("end: 3 km", "end: 3 kmx", "profiles.unused.end", "'3 kmx' is not a number with a known unit"),
+        ("profile: share", "profile: push", "profiles.push.values[1]", "which does not convert to a pure number"),
+        (
+            "change: {kind: integral, of: -5 mm/s}",
+            "change: far",
+            "system.winch.change",
+            "nothing is defined under the name 'far'",
+        ),
+        (
+            "change: {kind: integral, of: -5 mm/s}",
+            "change: true",
+            "system.winch.change",
+            "accepted is a number in m such as '1.5 m'",
+        ),
+    ],
+)
+def test_message_about_the_unit_of_a_profile(old: str, new: str, place: str, said: str) -> None:
+    assert old in DRIVEN
+    with pytest.raises(ModelFileError) as error:
+        loads(DRIVEN.replace(old, new, 1))
+    assert f"{place}: " in str(error.value)
+    assert said in str(error.value)
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from lamella.math.profile import (
     Cycloid,
     Harmonic,
     Integral,
+    LengthProfile,
     Polynomial,
     Profile,
     Ramp,
@@ -30,7 +31,6 @@ from lamella.math.profile import (
     Table,
     TimeFunction,
     TrapezoidalSpeed,
-    as_profile,
 )
 from lamella.math.time_function import Integrable
 
@@ -61,6 +61,17 @@ class Load:
     """Something with a profile, as the loads have."""
 
     profile: Profile = Constant(1.0)
+
+
+@declaration
+class Way:
+    """Something with a profile that has a unit, as drives have."""
+
+    way: LengthProfile = Constant(0.0)
+
+
+def test_a_text_with_a_unit_stands_for_a_constant() -> None:
+    assert Way("3 mm").way == Constant(3e-3)  # type: ignore[arg-type]
 
 
 def test_every_kind_is_in_the_catalogue() -> None:
@@ -186,7 +197,6 @@ def test_missing_and_binary_files_are_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("number", [3, 3.0, np.float64(3.0), np.int64(3)])
 def test_numbers_stand_for_constants(number) -> None:
-    assert as_profile(number) == Constant(3.0)
     assert Load(profile=number).profile == Constant(3.0)
 
 
@@ -195,7 +205,6 @@ def test_profiles_from_a_file() -> None:
     assert Load({"kind": "table", "times": [0, "1 s"], "values": [0, 2]}).profile == Table((0, 1), (0, 2))  # type: ignore[arg-type]
     profile = Ramp(t_end=1)
     assert Load(profile).profile is profile
-    assert as_profile(profile) is profile
 
 
 @pytest.mark.parametrize(
@@ -224,7 +233,10 @@ def test_profiles_from_a_file() -> None:
         ),  # type: ignore[arg-type]
         (lambda: Integral({"kind": "ramp"}), r"Integral: 'of\.ramp\.t_end' is missing"),  # type: ignore[arg-type]
         (lambda: Integral(Integral(1.0)), "Integral: of = .*; accepted is a number, or a profile whose kind"),  # type: ignore[arg-type]
-        (lambda: as_profile("fast"), "profile: 'fast' is not a function of time; accepted is a number or a profile"),
+        (lambda: Load("fast"), "Load: profile = 'fast'; accepted is a number, or a profile whose kind is one of constant, step"),  # type: ignore[arg-type]
+        (lambda: Load("3 mm"), "'3 mm' has the unit mm, which does not convert to a pure number"),  # type: ignore[arg-type]
+        (lambda: Way("3 kg"), "'3 kg' has the unit kg, which does not convert to m"),  # type: ignore[arg-type]
+        (lambda: Way("far"), "Way: way = 'far'; accepted is a number in m such as '1.5 m', or a profile whose kind"),  # type: ignore[arg-type]
     ],
 )
 def test_impossible_profiles_are_refused(make, message: str) -> None:

@@ -17,6 +17,7 @@ from lamella.body.plate import Edge
 from lamella.declaration import KINDS, given_fields
 from lamella.io.catalogue import import_subclasses, tag_of_name
 from lamella.roles import Declaration
+from lamella.units import OfProfile
 
 PLACES = (Marker, Edge)
 """Classes that a model file writes as text ``body.place``."""
@@ -132,6 +133,12 @@ def _options(annotation: Any, n_kinds: int) -> Options:
         else:
             plain.append(member)
     return Options(tuple(classes), tuple(places), tuple(references), items, repeated, values, tuple(plain))
+
+
+@cache
+def of_profile(annotation: Any) -> OfProfile | None:
+    """Whether and how the unit of a field follows that of the profile it belongs to."""
+    return next((mark for mark in getattr(annotation, "__metadata__", ()) if isinstance(mark, OfProfile)), None)
 
 
 def _members(annotation: Any) -> list[Any]:

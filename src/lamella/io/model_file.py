@@ -81,9 +81,10 @@ def _model(document: Document, overrides: Sequence[str]) -> ModelFile:
         apply_override(document, override)
     _check_top(document)
     items = Items(document)
-    for section in ("materials", "laminates", "profiles"):
+    for section in ("materials", "laminates"):
         items.section(section)
     declarations, analyses = items.section("system"), items.section("analysis")
+    items.section("profiles")
     _check_order(document, analyses)
     output = document.data.get("output")
     read = items.reader.declared(SECTIONS["output"].classes(), output, ("output",)) if output is not None else Output()

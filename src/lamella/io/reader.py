@@ -15,12 +15,24 @@ from pydantic_core import ErrorDetails
 from lamella.body.base import Body
 from lamella.declaration import LIMITS, wanted
 from lamella.errors import DeclarationError, LamellaError
-from lamella.io.annotation import Options, concrete, field_specs, fixed_length, in_files, options, same_shape, tag_of
+from lamella.io.annotation import (
+    FieldSpec,
+    Options,
+    concrete,
+    field_specs,
+    fixed_length,
+    in_files,
+    of_profile,
+    options,
+    same_shape,
+    tag_of,
+)
 from lamella.io.document import Document, Place, shown
 from lamella.io.table_file import FILE, read_table
-from lamella.math.profile import Constant
+from lamella.math.profile import QUANTITY, Constant
 from lamella.math.table import Table
 from lamella.roles import Declaration
+from lamella.units import per_second, quantity, unit_in
 
 
 class Failed:
@@ -28,8 +40,8 @@ class Failed:
 
 
 FAILED: Final = Failed()
-Lookup = Callable[[Options, str, Place], Any]
-"""Finds what a text refers to; gives None when it refers to nothing of that kind."""
+Lookup = Callable[[Options, str, Place, str | None], Any]
+"""Finds what a text refers to, a profile in some unit; gives None when it refers to nothing of that kind."""
 
 
 class Reader:
@@ -43,17 +55,25 @@ class Reader:
     def __init__(self, document: Document, lookup: Lookup) -> None:
         self.document, self.lookup = document, lookup
 
-    def value(self, annotation: Any, data: Any, place: Place, usual: Any = None) -> Any:
-        """Read ``data`` as ``annotation`` says; the class of ``usual``, the default, is meant where none is named."""
+    def value(self, annotation: Any, data: Any, place: Place, usual: Any = None, unit: str | None = None) -> Any:
+        """Read ``data`` as ``annotation`` says; the class of ``usual``, the default, is meant where none is named.
+
+        A profile has the ``unit``, or that of the annotation.
+        """
         allowed = options(annotation)
         if not allowed.structured or (data is None and allowed.plain):
             return self._plain(annotation, data, place)
         if isinstance(data, str) and (allowed.places or allowed.references or allowed.classes):
-            found = self.lookup(allowed, data, place)
+            unit = unit_in(annotation) if unit is None else unit
+            if Constant in allowed.classes and QUANTITY.match(data):
+                level = self._plain(_quantity(unit), data, place)
+                return FAILED if level is FAILED else Constant(level)
+            found = self.lookup(allowed, data, place, unit)
             if found is not None:
                 return found
         if isinstance(data, dict) and allowed.classes:
-            return self.declared(allowed.classes, data, place, usual=type(usual))
+            unit = unit_in(annotation) if unit is None else unit
+            return self.declared(allowed.classes, data, place, usual=type(usual), unit=unit)
         if isinstance(data, dict) and allowed.values is not None:
             read = {key: self.value(allowed.values, item, (*place, key)) for key, item in data.items()}
             return FAILED if FAILED in read.values() else read
@@ -72,8 +92,12 @@ class Reader:
         place: Place,
         extra: dict[str, Any] | None = None,
         usual: type | None = None,
+        unit: str | None = None,
     ) -> Any:
-        """Read a mapping as the one of ``classes`` its tag says; ``extra`` are fields given elsewhere, such as the name."""
+        """Read a mapping as the one of ``classes`` its tag says; ``extra`` are fields given elsewhere, such as the name.
+
+        The ``unit`` is that of a profile.
+        """
         if not isinstance(data, dict):
             return self._fail(place, f"found {shown(data)}; accepted is a mapping with 'key: value' entries")
         cls = self._chosen(classes, data, place, usual)
@@ -89,7 +113,7 @@ class Reader:
         meant: set[str | None] = set()
         for name, item in given.items():
             if name in known:
-                read[name] = self.value(specs[name].annotation, item, (*place, name), specs[name].default)
+                read[name] = self._field(specs[name], item, (*place, name), unit)
             elif name in extra:
                 self._fail((*place, name), f"the name is the key '{extra[name]}' and is not repeated")
             else:
@@ -101,6 +125,21 @@ class Reader:
         if missing or FAILED in read.values() or len(read) < len(given):
             return FAILED
         return self._made(cls, {**extra, **read}, data, place)
+
+    def _field(self, spec: FieldSpec, data: Any, place: Place, unit: str | None) -> Any:
+        """A field of a declaration; of a profile its numbers are in the ``unit``, or in that per second."""
+        mark = of_profile(spec.annotation)
+        if mark is None or unit is None:
+            return self.value(spec.annotation, data, place, spec.default)
+        if options(spec.annotation).structured:
+            return self.value(spec.annotation, data, place, spec.default, per_second(unit, mark.power or 0))
+        if not isinstance(data, list):
+            return self._plain(_quantity(unit) if spec.annotation.__origin__ is float else spec.annotation, data, place)
+        read = []
+        for k, item in enumerate(data):
+            own = per_second(unit, k if mark.power is None else mark.power)
+            read.append(self._plain(_quantity(own), item, (*place, k)))
+        return FAILED if FAILED in read else tuple(read)
 
     def _chosen(self, classes: tuple[type, ...], data: dict[str, Any], place: Place, usual: type | None) -> type | None:
         tags = {tag_of(cls)[1]: cls for cls in classes}
@@ -169,6 +208,11 @@ class Reader:
     def _fail(self, place: Place, text: str) -> Any:
         self.document.problem(place, text)
         return FAILED
+
+
+@cache
+def _quantity(unit: str | None) -> Any:
+    return quantity(unit or "")
 
 
 @cache

@@ -13,12 +13,14 @@ from lamella.io.annotation import Options, field_specs, tag_of
 from lamella.io.document import Document, Place, shown
 from lamella.io.reader import FAILED, Reader, accepted, kinds, suggestion
 from lamella.io.sections import DEFINITIONS, SECTIONS
+from lamella.units import ANY
 
 EDGES = ("x-", "x+", "y-", "y+")
 CORNERS = ("x-y-", "x+y-", "x+y+", "x-y+")
 ORIGIN = "origin"
 NAME = re.compile(r"[^\W\d][\w-]*")
 BUSY = object()
+PROFILES = "profiles"
 
 
 class Items:
@@ -31,7 +33,7 @@ class Items:
     def __init__(self, document: Document) -> None:
         self.document = document
         self.reader = Reader(document, self.lookup)
-        self._made: dict[Place, Any] = {}
+        self._made: dict[tuple[str, str, str | None], Any] = {}
 
     def section(self, name: str) -> dict[str, Any]:
         """All items of a section in the order of the file; failed ones are left out."""
@@ -41,22 +43,24 @@ class Items:
         if not isinstance(content, dict):
             self.document.problem((name,), f"found {shown(content)}; accepted are 'name: {{...}}' entries")
             return {}
-        items = {key: self.item(name, key) for key in content}
+        # What profiles stand for, and so their unit, is told by those who refer to them.
+        used = {key for section, key, _ in self._made if section == name} if name == PROFILES else ()
+        items = {key: self.item(name, key, ANY if name == PROFILES else None) for key in content if key not in used}
         return {key: item for key, item in items.items() if item is not FAILED}
 
-    def item(self, section: str, name: str) -> Any:
-        """The item ``name`` of a section, or FAILED."""
-        place = (section, name)
-        found = self._made.get(place)
+    def item(self, section: str, name: str, unit: str | None = None) -> Any:
+        """The item ``name`` of a section, a profile in the ``unit``, or FAILED."""
+        place, key = (section, name), (section, name, unit)
+        found = self._made.get(key)
         if found is BUSY:
             self.document.problem(place, f"'{name}' refers to itself")
             return FAILED
         if found is None:
-            self._made[place] = BUSY
-            found = self._made[place] = self._read(place)
+            self._made[key] = BUSY
+            found = self._made[key] = self._read(place, unit)
         return found
 
-    def _read(self, place: Place) -> Any:
+    def _read(self, place: Place, unit: str | None) -> Any:
         section, name = str(place[0]), str(place[1])
         data = self.document.data[section][name]
         classes = SECTIONS[section].classes_of(data.get("type") if isinstance(data, dict) else None)
@@ -66,17 +70,17 @@ class Items:
             )
             return FAILED
         has_name = all("name" in field_specs(cls) for cls in classes)
-        return self.reader.declared(classes, data, place, {"name": name} if has_name else {})
+        return self.reader.declared(classes, data, place, {"name": name} if has_name else {}, unit=unit)
 
-    def lookup(self, allowed: Options, text: str, place: Place) -> Any:
+    def lookup(self, allowed: Options, text: str, place: Place, unit: str | None = None) -> Any:
         """What ``text`` refers to; FAILED after a problem, None when it is no reference at all."""
         if allowed.places and ("." in text or not allowed.references):
             return self._place(allowed, text, place)
         if allowed.references:
             return self._referred(allowed.references, text, place)
-        return self._definition(allowed, text, place)
+        return self._definition(allowed, text, place, unit)
 
-    def _definition(self, allowed: Options, text: str, place: Place) -> Any:
+    def _definition(self, allowed: Options, text: str, place: Place, unit: str | None) -> Any:
         known, definable = [], False
         for section in DEFINITIONS:
             content = self.document.data.get(section)
@@ -84,7 +88,7 @@ class Items:
             if any(cls in SECTIONS[section].classes() for cls in allowed.classes):
                 definable = True
                 if text in names:
-                    return self.item(section, text)
+                    return self.item(section, text, unit if section == PROFILES else None)
                 known += names
         if definable and NAME.fullmatch(text):
             self.document.problem(place, f"nothing is defined under the name '{text}'{suggestion(text, known)}")

@@ -13,7 +13,7 @@ from lamella.errors import DeclarationError
 from lamella.joint.clamped_edge import Clamping, clamped_rows
 from lamella.joint.rows import AXES, centre, hold_point
 from lamella.kinematics import Frame, VectorRows
-from lamella.math.profile import Profile
+from lamella.math.profile import LengthProfile
 from lamella.roles import Declaration
 
 
@@ -37,7 +37,7 @@ class Clamp(Declaration):
 
     name: str
     on: Edge | Marker
-    motion: dict[str, Profile] = Field(default_factory=dict)
+    motion: dict[str, LengthProfile] = Field(default_factory=dict)
     kind: Clamping = "full"
 
     def __post_init__(self) -> None:

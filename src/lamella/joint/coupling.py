@@ -15,7 +15,7 @@ from lamella.dofs import Build, LinearRow, Signal
 from lamella.errors import DeclarationError
 from lamella.joint.turning import TurningJoint, angle_shares, check_added
 from lamella.kinematics import VectorRows
-from lamella.math.profile import Constant, Profile
+from lamella.math.profile import Constant, LengthProfile
 from lamella.measure.constraint import MeasureConstraint, MeasureRow
 from lamella.measure.force import MeasureForce
 from lamella.measure.law import SpringLaw
@@ -45,7 +45,7 @@ class PositionCoupling(Declaration):
     markers: tuple[Marker, ...]
     axes: tuple[Literal["x", "y", "z"], ...]
     factors: tuple[units.Number, ...] = Field(min_length=2)
-    offset: Profile = Constant(0.0)
+    offset: LengthProfile = Constant(0.0)
 
     def __post_init__(self) -> None:
         if not len(self.markers) == len(self.axes) == len(self.factors):

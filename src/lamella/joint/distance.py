@@ -13,7 +13,7 @@ from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
 from lamella.errors import DeclarationError
 from lamella.kinematics import VectorRows, vectors_of
-from lamella.math.profile import Profile
+from lamella.math.profile import LengthProfile
 from lamella.measure.constraint import MeasureConstraint, MeasureRow
 from lamella.measure.measure import length
 from lamella.roles import Declaration, Floats
@@ -39,7 +39,7 @@ class DistanceJoint(Declaration):
     a: Marker
     b: Marker
     length: Thickness | None = None
-    change: Profile | None = None
+    change: LengthProfile | None = None
 
     def contribute(self, build: Build) -> None:
         """Add one nonlinear constraint and its signals."""
@@ -76,7 +76,7 @@ class Cable(Declaration):
     points: Annotated[tuple[Marker, ...], Field(min_length=2)]
     closed: bool = False
     length: Thickness | None = None
-    change: Profile | None = None
+    change: LengthProfile | None = None
 
     def contribute(self, build: Build) -> None:
         """Add one nonlinear constraint and its tension."""

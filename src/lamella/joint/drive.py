@@ -5,7 +5,7 @@ from __future__ import annotations
 from lamella.declaration import declaration
 from lamella.dofs import Build, Motion, Signal
 from lamella.joint.turning import SlidingJoint, TurningJoint, angle_shares, check_added, joint_displacement
-from lamella.math.profile import Integral, Profile
+from lamella.math.profile import AngleProfile, AngularVelocityProfile, Integral, LengthProfile, Profile, VelocityProfile
 from lamella.measure.constraint import MeasureConstraint, MeasureRow
 from lamella.measure.measure import Measure, MeasureSet
 from lamella.roles import Declaration
@@ -29,8 +29,8 @@ class AngleDrive(Declaration):
 
     name: str
     on: TurningJoint
-    angle: Profile | None = None
-    speed: Profile | None = None
+    angle: AngleProfile | None = None
+    speed: AngularVelocityProfile | None = None
 
     def __post_init__(self) -> None:
         _check_one(self.angle, self.speed, "angle")
@@ -58,8 +58,8 @@ class SlideDrive(Declaration):
 
     name: str
     on: SlidingJoint
-    displacement: Profile | None = None
-    speed: Profile | None = None
+    displacement: LengthProfile | None = None
+    speed: VelocityProfile | None = None
 
     def __post_init__(self) -> None:
         _check_one(self.displacement, self.speed, "displacement")

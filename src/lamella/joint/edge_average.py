@@ -18,7 +18,7 @@ from lamella.joint.edge_rows import ROUNDING, edge_mean
 from lamella.joint.equations import Rows
 from lamella.joint.rows import AXES, carried
 from lamella.kinematics import Frame, VectorRows
-from lamella.math.profile import Profile
+from lamella.math.profile import LengthProfile
 from lamella.roles import Declaration, Floats
 
 
@@ -51,7 +51,7 @@ class EdgeAverage(Declaration):
     on: Edge
     axes: str = "xyz"
     rotations: str = ""
-    motion: dict[str, Profile] = Field(default_factory=dict)
+    motion: dict[str, LengthProfile] = Field(default_factory=dict)
     to: Marker | None = None
 
     def __post_init__(self) -> None:

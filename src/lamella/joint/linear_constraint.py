@@ -15,7 +15,7 @@ from lamella.errors import DeclarationError
 from lamella.joint.base import Axis, axes_with
 from lamella.joint.motion_sum import MotionSum
 from lamella.kinematics import VectorRows
-from lamella.math.profile import Constant, Profile
+from lamella.math.profile import Constant, LengthProfile
 from lamella.roles import Declaration
 
 
@@ -57,7 +57,7 @@ class LinearConstraint(Declaration):
 
     name: str
     terms: tuple[Component, ...] = Field(min_length=1)
-    value: Profile = Constant(0.0)
+    value: LengthProfile = Constant(0.0)
     absolute: bool = False
 
     def contribute(self, build: Build) -> None:

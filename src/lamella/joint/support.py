@@ -14,7 +14,7 @@ from lamella.dofs import Build
 from lamella.errors import DeclarationError
 from lamella.joint.clamp import check_axes
 from lamella.joint.rows import AXES, centre, hold_edge, hold_point
-from lamella.math.profile import Profile
+from lamella.math.profile import LengthProfile
 from lamella.math.rotation import matrix_from_vector
 from lamella.roles import Declaration
 from lamella.units import Angle
@@ -61,7 +61,7 @@ class EdgeSupport(Declaration):
     on: Edge
     axes: str = "xyz"
     rotation: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
-    motion: dict[str, Profile] = Field(default_factory=dict)
+    motion: dict[str, LengthProfile] = Field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_axes(self, self.axes)
@@ -95,7 +95,7 @@ class PrescribedMotion(Declaration):
     name: str
     on: Marker
     axis: Literal["x", "y", "z"]
-    displacement: Profile
+    displacement: LengthProfile
 
     def contribute(self, build: Build) -> None:
         """Hold one component of the position at its reference value plus the displacement."""

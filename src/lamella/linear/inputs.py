@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from functools import cache
+from typing import Any, get_type_hints
 
 import numpy as np
 
@@ -14,28 +15,23 @@ from lamella.errors import DeclarationError
 from lamella.joint.drive import AngleDrive, SlideDrive
 from lamella.linear.steady import SteadyState
 from lamella.load.controller import Controller
-from lamella.load.spring import TorsionSpring
 from lamella.math.profile import Constant
 from lamella.math.time_function import TimeFunction
 from lamella.model import Model
 from lamella.roles import Declaration, Floats
 from lamella.state import State
 from lamella.system import System
+from lamella.units import unit_in
 
 Inputs = Sequence[str] | Mapping[str, str]
 Following = Callable[[TimeFunction], Declaration]
 
-UNITS = {
-    **dict.fromkeys(("displacement", "rest_length", "rest", "change", "value", "offset", "x", "y", "z"), "m"),
-    **dict.fromkeys(("angle", "rest_angle"), "rad"),
-    "preload": "N",
-}
-"""Unit of each function of time by its field; any other is a factor."""
 STEP = 1e-5
 """Step of central differences where an input does not act in proportion."""
 PROPORTIONAL = 1e-9
 """Share of an effect by which equal steps up and down may differ where it is proportional."""
 ACCELERATION = ".acceleration"
+AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -91,9 +87,16 @@ def channels(system: System, t: float) -> dict[str, Channel]:
         own = _functions(item, t)
         for part, (level, rate, following) in own.items():
             name = item.name if len(own) == 1 else f"{item.name}.{part}"
-            unit = "N m" if part == "preload" and isinstance(item, TorsionSpring) else UNITS.get(part, "1")
+            units = _units(type(item))
+            unit = units["motion"] if part in AXES else units[part]
             found[name] = Channel(name, part, number, unit, level, rate, following)
     return found
+
+
+@cache
+def _units(kind: type) -> dict[str, str]:
+    """Unit of what each field of a declaration stands for; that of a factor is 1."""
+    return {name: unit_in(annotation) or "1" for name, annotation in get_type_hints(kind, include_extras=True).items()}
 
 
 def chosen(item: str, system: System, inputs: Inputs, t: float) -> dict[str, tuple[Channel, bool]]:

@@ -12,7 +12,7 @@ from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
 from lamella.errors import DeclarationError
 from lamella.joint.turning import SlidingJoint, TurningJoint, angle_shares, check_added, joint_displacement
-from lamella.math.profile import Constant, Profile
+from lamella.math.profile import AngleProfile, Constant, ForceProfile, LengthProfile, TorqueProfile
 from lamella.measure.force import MeasureForce
 from lamella.measure.law import Law, SpringLaw
 from lamella.measure.measure import Measure, length
@@ -39,8 +39,8 @@ class SpringDamper(Declaration):
     b: Marker
     stiffness: units.Stiffness = 0.0
     damping: units.Damping = 0.0
-    rest_length: Profile | None = None
-    preload: Profile = Constant(0.0)
+    rest_length: LengthProfile | None = None
+    preload: ForceProfile = Constant(0.0)
 
     def contribute(self, build: Build) -> None:
         """Add one force and its signals."""
@@ -76,8 +76,8 @@ class TorsionSpring(Declaration):
     on: TurningJoint
     stiffness: units.TorsionalStiffness = 0.0
     damping: units.TorsionalDamping = 0.0
-    rest_angle: Profile = Constant(0.0)
-    preload: Profile = Constant(0.0)
+    rest_angle: AngleProfile = Constant(0.0)
+    preload: TorqueProfile = Constant(0.0)
     middle: units.Angle = 0.0
 
     def contribute(self, build: Build) -> None:
@@ -105,8 +105,8 @@ class SlideSpring(Declaration):
     on: SlidingJoint
     stiffness: units.Stiffness = 0.0
     damping: units.Damping = 0.0
-    rest: Profile = Constant(0.0)
-    preload: Profile = Constant(0.0)
+    rest: LengthProfile = Constant(0.0)
+    preload: ForceProfile = Constant(0.0)
 
     def contribute(self, build: Build) -> None:
         """Add one force and its signals."""

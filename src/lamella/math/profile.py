@@ -1,29 +1,34 @@
 """Named functions of time: the courses of loads and of prescribed motions.
 
-The value of a profile is a pure number that multiplies the magnitude of a load. A prescribed motion takes it as a displacement in
-metres.
+The value of a profile is a pure number that multiplies the magnitude of a load, or has the unit of what it stands for: a
+displacement, the angle of a drive, its speed.
 """
 
 from __future__ import annotations
 
 import math
+import re
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Tag
 
 from lamella.declaration import declaration
-from lamella.errors import DeclarationError
 from lamella.math.table import Table
 from lamella.math.time_function import Integrable, TimeFunction
 from lamella.math.transition import Cycloid, Polynomial, Ramp, SmoothStep, TrapezoidalSpeed
-from lamella.units import Angle, Number, Time, quantity
+from lamella.units import Angle, OfProfile, Time, Unit, Value, limited, quantity
 
 __all__ = [
+    "AngleProfile",
+    "AngularVelocityProfile",
     "Constant",
     "Cycloid",
+    "ForceProfile",
     "Harmonic",
     "Integral",
+    "LengthProfile",
     "Polynomial",
     "Profile",
     "Ramp",
@@ -31,8 +36,9 @@ __all__ = [
     "Step",
     "Table",
     "TimeFunction",
+    "TorqueProfile",
     "TrapezoidalSpeed",
-    "as_profile",
+    "VelocityProfile",
 ]
 
 
@@ -57,7 +63,7 @@ class Constant(Integrable):
         level: the value [-].
     """
 
-    level: Number = 1.0
+    level: Value = 1.0
     kind: Literal["constant"] = "constant"
 
     def value(self, t: float) -> float:
@@ -86,7 +92,7 @@ class Step(Integrable):
         at: time of the jump [s].
     """
 
-    level: Number = 1.0
+    level: Value = 1.0
     at: Time = 0.0
     kind: Literal["step"] = "step"
 
@@ -123,10 +129,10 @@ class Harmonic(Integrable):
         mean: value about which it swings [-].
     """
 
-    amplitude: Number
+    amplitude: Value
     frequency: Frequency
     phase: Angle = 0.0
-    mean: Number = 0.0
+    mean: Value = 0.0
     kind: Literal["harmonic"] = "harmonic"
 
     def value(self, t: float) -> float:
@@ -151,7 +157,13 @@ class Harmonic(Integrable):
         return 2.0 * math.pi * self.frequency
 
 
-def _constant_from_number(value: object) -> object:
+QUANTITY = re.compile(r"\s*[-+]?\.?\d")
+"""How a number with a unit begins; any other text is a name."""
+
+
+def _constant_from_number(value: object, unit: str) -> object:
+    if isinstance(value, str) and QUANTITY.match(value):
+        return Constant(limited(value, unit))
     is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
     return Constant(value) if is_number else value  # type: ignore[arg-type]
 
@@ -160,17 +172,24 @@ def _kind(value: object) -> object:
     return value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
 
 
-def _told_by_kind(catalogue: Any) -> Any:
-    """The annotation of a field that takes a number or a profile of the catalogue, a union; its ``kind`` says which."""
+def _told_by_kind(catalogue: Any, unit: str = "") -> Any:
+    """The annotation of a field that takes a number or a profile of the catalogue, a union; its ``kind`` says which.
+
+    Args:
+        catalogue: the union.
+        unit: of what the profile stands for, in which a model file may give it.
+    """
     members = {cls.kind: cls for cls in get_args(catalogue)}
+    number = f"a number in {unit} such as '1.5 {unit}'" if unit else "a number"
     return Annotated[
         Union[tuple(Annotated[cls, Tag(kind)] for kind, cls in members.items())],  # noqa: UP007  # made from the catalogue
+        Unit(unit),
         Discriminator(
             _kind,
             custom_error_type="profile",
-            custom_error_message=f"accepted is a number, or a profile whose kind is one of {', '.join(members)}",
+            custom_error_message=f"accepted is {number}, or a profile whose kind is one of {', '.join(members)}",
         ),
-        BeforeValidator(_constant_from_number, json_schema_input_type=float | catalogue),
+        BeforeValidator(partial(_constant_from_number, unit=unit), json_schema_input_type=float | str | catalogue),
     ]
 
 
@@ -178,9 +197,9 @@ SpeedProfile = Constant | Step | Ramp | SmoothStep | Cycloid | TrapezoidalSpeed 
 """Profiles whose integral has a closed form."""
 
 if TYPE_CHECKING:
-    Speed = SpeedProfile
+    Rate = SpeedProfile
 else:
-    Speed = _told_by_kind(SpeedProfile)
+    Rate = Annotated[_told_by_kind(SpeedProfile), OfProfile(power=1)]
 
 
 @declaration
@@ -192,8 +211,8 @@ class Integral(TimeFunction):
         start: value at t = 0 [-].
     """
 
-    of: Speed
-    start: Number = 0.0
+    of: Rate
+    start: Value = 0.0
     kind: Literal["integral"] = "integral"
 
     def value(self, t: float) -> float:
@@ -218,24 +237,12 @@ AnyProfile = SpeedProfile | Integral
 
 
 if TYPE_CHECKING:
-    Profile = AnyProfile
+    Profile = LengthProfile = AngleProfile = ForceProfile = TorqueProfile = AnyProfile
+    VelocityProfile = AngularVelocityProfile = AnyProfile
 else:
     Profile = _told_by_kind(AnyProfile)
-"""A profile in a declaration or a model file (``{kind: ramp, t_end: 1 s}``); a plain number stands for a Constant."""
-
-
-def as_profile(value: Any) -> TimeFunction:
-    """The profile itself, or a :class:`Constant` made from a number.
-
-    Args:
-        value: a profile or a finite number [-].
-
-    Raises:
-        DeclarationError: neither a profile nor a number.
-    """
-    made = _constant_from_number(value)
-    if not isinstance(made, TimeFunction):
-        raise DeclarationError(
-            "profile", f"{value!r} is not a function of time", "accepted is a number or a profile such as lm.Ramp"
-        )
-    return made
+    LengthProfile, AngleProfile = _told_by_kind(AnyProfile, "m"), _told_by_kind(AnyProfile, "rad")
+    VelocityProfile, AngularVelocityProfile = _told_by_kind(AnyProfile, "m/s"), _told_by_kind(AnyProfile, "rad/s")
+    ForceProfile, TorqueProfile = _told_by_kind(AnyProfile, "N"), _told_by_kind(AnyProfile, "N m")
+"""A profile in a declaration or a model file (``{kind: ramp, t_end: 1 s}``); a plain number stands for a Constant. ``Profile`` is
+a factor, the others have a unit."""

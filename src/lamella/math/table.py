@@ -6,14 +6,14 @@ from bisect import bisect_right
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.math.time_function import Integrable
-from lamella.units import Number, Time
+from lamella.units import Number, OfProfile, Time
 
 Interpolation = Literal["linear", "pchip", "cubic"]
 
@@ -33,7 +33,7 @@ class Table(Integrable):
     """
 
     times: tuple[Time, ...]
-    values: tuple[Number, ...]
+    values: Annotated[tuple[Number, ...], OfProfile()]
     interpolation: Interpolation = "linear"
     kind: Literal["table"] = "table"
 

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from lamella.declaration import declaration
 from lamella.math.time_function import Integrable
-from lamella.units import Number, Time
+from lamella.units import Number, OfProfile, Time, Value
 
 
 @declaration
@@ -34,8 +34,8 @@ class Transition(Integrable):
 
     t_start: Time = 0.0
     t_end: Time = Field(kw_only=True)
-    start: Number = 0.0
-    end: Number = 1.0
+    start: Value = 0.0
+    end: Value = 1.0
 
     def __post_init__(self) -> None:
         """Refuse a change without duration."""
@@ -210,7 +210,7 @@ class Polynomial(Integrable):
         DeclarationError: no coefficient, or t_end is not later than t_start.
     """
 
-    coefficients: tuple[Number, ...]
+    coefficients: Annotated[tuple[Number, ...], OfProfile(power=None)]
     t_start: Time = 0.0
     t_end: Time = Field(kw_only=True)
     kind: Literal["polynomial"] = "polynomial"
