@@ -74,13 +74,51 @@ def test_refused_system_leaves_results_as_they_are(here, model: Path, tmp_path: 
 
 
 def test_analysis_that_is_refused_leaves_no_empty_folder(here, model: Path, tmp_path: Path) -> None:
-    linear = "analysis={still: {type: statics}, plant: {type: linear, about: still, inputs: [motor], outputs: [tip.position.z]}}"
-    assert "there is no input 'motor'" in one_message(here("run", model, "--out", "out", "--no-pictures", "-q", "--set", linear))
+    plant = "plant: {type: linear, about: still, inputs: [load], outputs: [tip.position.z], order: 4000}"
+    linear = f"analysis={{still: {{type: statics}}, {plant}}}"
+    assert "order = 4000; accepted is 1 to " in one_message(
+        here("run", model, "--out", "out", "--no-pictures", "-q", "--set", linear)
+    )
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["still"]
     free = "system.root={type: point_force, on: strip.tip, force: [1, 0, 0]}"
     words = ("--set", "analysis={still: {type: statics}}", "--set", free)
     one_message(here("run", model, "--out", "other", "--no-pictures", *words))
     assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize(
+    ("addition", "said"),
+    [
+        (
+            "output.signals=[tip.positon]",
+            "output: signals: there is no signal 'tip.positon'; did you mean 'tip.position'? accepted are tip.position, ",
+        ),
+        ("output.signals=[strip.tip.position.w]", "there is no signal 'strip.tip.position.w'; "),
+        ("output.field=stress", "picture: no field 'stress'; accepted are displacement, "),
+        ("output.field=curvature", "picture: field 'curvature' has no magnitude; accepted are curvature.xx, "),
+        ("output.field=T_N", "picture: plate 'strip' has no temperature; accepted is "),
+        ("output.field=tsai_wu", "Lamina: a failure criterion needs the strengths "),
+        ("analysis.plant={type: linear, inputs: [lod], outputs: [tip.position.z]}", "there is no input 'lod'; "),
+        ("analysis.plant={type: linear, inputs: [load], outputs: [tip.positon.z]}", "there is no output 'tip.positon.z'; "),
+    ],
+)
+def test_names_that_do_not_exist_are_told_before_anything_is_computed(
+    here, model: Path, tmp_path: Path, addition: str, said: str
+) -> None:
+    still = "analysis.still={type: statics}"
+    assert here("run", model, "--out", "out", "--no-pictures").returncode == 0
+    kept = (tmp_path / "out" / "run.h5").read_bytes()
+    refused = here("run", model, "--out", "out", "--overwrite", "--set", still, "--set", addition)
+    assert said in " ".join(one_message(refused).split())
+    assert (tmp_path / "out" / "run.h5").read_bytes() == kept
+
+
+def test_signals_that_one_analysis_alone_records_are_drawn_there(here, model: Path, tmp_path: Path) -> None:
+    still, drawn = "analysis.still={type: statics}", "output.signals=[load_factor]"
+    done = here("run", model, "--out", "out", "--set", still, "--set", drawn, "--set", "output.animation=false")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out/still/pictures/signals.png").is_file()
+    assert not (tmp_path / "out/swing/pictures/signals.png").exists()
 
 
 def test_statics_without_a_support_is_refused(here, model: Path) -> None:

@@ -64,6 +64,13 @@ class Analysis(ABC):
         named |= {(key, "of"): getattr(getattr(self, key, None), "of", None) for key in ("imperfection", "branch")}
         return {place: name for place, name in named.items() if name is not None}
 
+    def check(self, equations: Equations) -> None:  # noqa: B027  # most name neither
+        """Refuse names of inputs and outputs that the system does not have, before anything is computed.
+
+        Raises:
+            DeclarationError: there is no such input or output; those that there are are listed.
+        """
+
     def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
         """The model it computes with: that of the system, or of an earlier analysis it goes on from.
 

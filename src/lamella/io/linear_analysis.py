@@ -7,12 +7,16 @@ from typing import Annotated
 
 from pydantic import Field
 
+from lamella.assembly.equations import Equations
 from lamella.declaration import declaration
 from lamella.io.analysis import Analysis, Computed, Count, model_of, state_of
+from lamella.linear.inputs import chosen
 from lamella.linear.model import linearise
+from lamella.linear.outputs import named
 from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.result import Sink
+from lamella.system import System
 
 Names = Annotated[tuple[str, ...], Field(min_length=1)]
 
@@ -39,6 +43,12 @@ class Linear(Analysis):
     modes: Count | None = None
     static_correction: bool = True
     order: Count | None = None
+
+    def check(self, equations: Equations) -> None:
+        """Refuse unknown inputs and outputs."""
+        if isinstance(system := equations.model.description, System):
+            chosen("linearise", system, self.inputs, 0.0)
+        named(self.outputs, equations)
 
     def prepared(self, model: Model, earlier: Mapping[str, Computed]) -> Model:
         return model_of(self, self.about, earlier) or model

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lamella.assembly.equations import Equations
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.linear.steady import SteadyState
@@ -57,26 +58,9 @@ class Outputs:
     """
 
     def __init__(self, steady: SteadyState, names: Sequence[str]) -> None:
-        known = {signal.name: signal for signal in system_signals(steady.equations)}
-        if not names:
-            raise DeclarationError("linearise", "no outputs are given", "accepted is at least one recorded signal")
-        self.names: list[str] = []
-        self.units: list[str] = []
-        self.signals: list[tuple[Signal, int]] = []
-        for name in names:
-            for signal, component in components("linearise", name, known):
-                if signal.name.startswith(OF_HISTORY):
-                    raise DeclarationError(
-                        "linearise",
-                        f"the output '{name}' sums over the steps of a run",
-                        "accepted are signals that a state alone has",
-                    )
-                self.names.append(f"{signal.name}.{signal.labels[component]}" if signal.labels else signal.name)
-                self.units.append(signal.unit)
-                self.signals.append((signal, component))
-        twice = [name for name in self.names if self.names.count(name) > 1]
-        if twice:
-            raise DeclarationError("linearise", f"the output '{twice[0]}' is given twice", "accepted is each once")
+        found = named(names, steady.equations)
+        self.names, self.signals = list(found), list(found.values())
+        self.units = [signal.unit for signal, _ in self.signals]
         self._steady, self._state = steady, steady.state
         self._distinct = list({signal.name: signal for signal, _ in self.signals}.values())
         self.values = self._evaluate()
@@ -125,6 +109,28 @@ class Outputs:
         state = replace(self._state, **moved)
         found = {signal.name: np.atleast_1d(signal.evaluate(state)) for signal in self._distinct}
         return np.array([float(found[signal.name][k]) for signal, k in self.signals])
+
+
+def named(names: Sequence[str], equations: Equations) -> dict[str, tuple[Signal, int]]:
+    """The components of signals that outputs mean, by their own names.
+
+    Raises:
+        DeclarationError: no such signal, one given twice, or one that sums over time.
+    """
+    known = {signal.name: signal for signal in system_signals(equations)}
+    if not names:
+        raise DeclarationError("linearise", "no outputs are given", "accepted is at least one recorded signal")
+    found: dict[str, tuple[Signal, int]] = {}
+    for name in names:
+        for signal, component in components("linearise", name, known):
+            if signal.name.startswith(OF_HISTORY):
+                problem = f"the output '{name}' sums over the steps of a run"
+                raise DeclarationError("linearise", problem, "accepted are signals that a state alone has")
+            own = f"{signal.name}.{signal.labels[component]}" if signal.labels else signal.name
+            if own in found:
+                raise DeclarationError("linearise", f"the output '{own}' is given twice", "accepted is each once")
+            found[own] = signal, component
+    return found
 
 
 def components(item: str, name: str, known: dict[str, Signal]) -> list[tuple[Signal, int]]:

@@ -16,6 +16,7 @@ from lamella.io.modes import mode_frames, natural_amplitude, write_modes
 from lamella.model import Model
 from lamella.result import Result
 from lamella.shapes import Shapes
+from lamella.study.beforehand import recorded
 from lamella.study.folder import MODES, PICTURES
 from lamella.study.size import size_of
 from lamella.viz.solids import drawable
@@ -192,7 +193,9 @@ def write_pictures(result: Result, folder: Path, output: Output | None = None) -
     make_folder(folder)
     traced = [name for name in result.signals if name.endswith(".position")] if result.axis == "path" else []
     files = [save_figure(plot_path(result, traced), folder / "path.png")] if traced else []
-    files += [save_figure(plot_signals(result, output.signals), folder / "signals.png")]
+    names = None if output.signals is None else recorded(output.signals, result.signals)
+    if names is None or names:
+        files.append(save_figure(plot_signals(result, names), folder / "signals.png"))
     if any(name.startswith("energy.") for name in result.signals):
         files.append(save_figure(plot_energy(result), folder / "energy.png"))
     if len(result.frame_at) and drawable(result.model):

@@ -16,6 +16,7 @@ from lamella.linear.state_space import StateSpace
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Result, Sink
+from lamella.study.beforehand import refuse_unknown
 from lamella.study.folder import MODEL, RESULT, check_folder, open_folder, swept
 from lamella.study.interruption import Interruption
 from lamella.study.linear_outputs import write_linear_outputs
@@ -81,6 +82,7 @@ def run_model(
     text = model_file.text()
     with compilation_notice(progress, say), swept(folder):
         model = model_file.system.compile()
+        refuse_unknown(model_file, model, pictures=pictures)
         open_folder(folder, overwrite)
         finished: list[Finished] = []
         for analysis in model_file.analyses:
