@@ -173,6 +173,21 @@ def test_unsymmetric(method: Method, m: int) -> None:
     assert not isinstance(solver, AutomaticSolver) or solver.n_general == 0
 
 
+@pytest.mark.parametrize("method", UNSYMMETRIC_METHODS)
+@pytest.mark.parametrize(
+    "one_way", [(slice(0, 12), slice(36, 72)), (slice(36, 72), slice(0, 12)), (slice(60, 144), slice(0, 60))]
+)
+def test_unsymmetric_in_structure(method: Method, one_way: tuple[slice, slice]) -> None:
+    """Some coordinates act on others that do not act on them, as temperatures do on a shape; constraints hold some of both."""
+    k = plate_like(3, 4)
+    k *= 1 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
+    k[one_way] = 0.0
+    j = np.zeros((4, len(k)))
+    j[:2, [2, 40, 61, 100]] = np.random.default_rng(7).standard_normal((2, 4))
+    j[2:, 48:54] = np.random.default_rng(8).standard_normal((2, 6))
+    check(k, j, method, symmetric=False)
+
+
 @pytest.mark.parametrize("rest", [0.0, 1e-28])
 def test_unsymmetric_with_coordinates_that_constraints_alone_determine(rest: float) -> None:
     """Six coordinates of one node without stiffness, or with one that is rounding, in six constraints that hold four others

@@ -23,7 +23,7 @@ def _lookup(rows: Ints, cols: Ints, numbers: Ints, n: int) -> Lookup:
 
     def find(row: Ints, col: Ints) -> Ints:
         if not len(keys):
-            return np.full(row.shape, -1)
+            return np.full(np.broadcast_shapes(row.shape, col.shape), -1)
         at = np.minimum(np.searchsorted(keys, row * n + col), len(keys) - 1)
         return np.where(keys[at] == row * n + col, numbers[at], -1)
 
@@ -118,11 +118,11 @@ class Reduction:
         self.mixed = np.zeros(np.count_nonzero(mixed))
         self._free, self._number_of_free = np.flatnonzero(owner < 0), number[owner < 0]
         entry = _lookup(rows, cols, source, pattern.n)
-        panels: list[tuple[_Part, _Part]] = []
-        for g, group in enumerate(groups):
-            near = np.union1d(cols[owner[rows] == g], rows[owner[cols] == g])
-            panels.append(self._panels(group, near[owner[near] < 0], number, entry, slot))
-        self._right, self._down = (_Reduced([pair[i] for pair in panels]) for i in (0, 1))
+        right, down = [], []
+        for g, group in enumerate(groups):  # heat bends a plate that it need not feel: either panel may have rows of its own
+            right.append(self._right_of(group, np.unique(rows[(owner[cols] == g) & (owner[rows] < 0)]), number, entry, slot))
+            down.append(self._down_from(group, np.unique(cols[(owner[rows] == g) & (owner[cols] < 0)]), number, entry, slot))
+        self._right, self._down = _Reduced(right), _Reduced(down)
         self.right, self.down = self._right.panels, self._down.panels
         core = np.flatnonzero((owner[rows] >= 0) & (owner[cols] >= 0))
         self._set_core(source[core], rows[core], cols[core], number, width, slot)
@@ -144,18 +144,17 @@ class Reduction:
         self._n, self._numbers = new, number
         return number, owner
 
-    def _panels(self, group: Group, near: Ints, number: Ints, entry: Lookup, slot: Lookup) -> tuple[_Part, _Part]:
-        """K_fg and K_gf of one group."""
-        shape = (len(near), len(group.coords))
-        f, g = (part.reshape(-1) for part in np.broadcast_arrays(near[:, None], group.coords))
-        first = np.full(len(near), number[group.coords[0]])
-        down = slot(first, number[near])
-        stride = int((slot(first + 1, number[near]) - down)[0]) if len(near) and group.n_motion > 1 else 0
-        filler = (0, 0), (0, filled_up(len(near)) - len(near))
-        right, below = (
-            np.pad(source.reshape(shape).T, filler, constant_values=-1).astype(np.int32) for source in (entry(f, g), entry(g, f))
-        )
-        return _Part(near, right, slot(number[near], first), 1), _Part(near, below, down, stride)
+    def _right_of(self, group: Group, near: Ints, number: Ints, entry: Lookup, slot: Lookup) -> _Part:
+        """K_fg of one group."""
+        source = entry(near, group.coords[:, None])
+        return _Part(near, _in_lanes(source), slot(number[near], np.full(len(near), number[group.coords[0]])), 1)
+
+    def _down_from(self, group: Group, near: Ints, number: Ints, entry: Lookup, slot: Lookup) -> _Part:
+        """K_gf of one group, transposed."""
+        source, first = entry(group.coords[:, None], near), np.full(len(near), number[group.coords[0]])
+        slots = slot(first, number[near])
+        stride = int((slot(first + 1, number[near]) - slots)[0]) if len(near) and group.n_motion > 1 else 0
+        return _Part(near, _in_lanes(source), slots, stride)
 
     def _set_core(self, source: Ints, rows: Ints, cols: Ints, number: Ints, width: Ints, slot: Lookup) -> None:
         """Entries between constrained coordinates, and where the weights of these are."""
@@ -192,6 +191,12 @@ class Reduction:
         if self._groups:
             np.take(k, self._source, out=self.core.values)
             reduce_core(self.core.values, self._mixed, self._N, out)
+
+
+def _in_lanes(source: Ints) -> Indices:
+    """A panel (g, f) with the f filled up to whole lanes, where there is nothing."""
+    filler = filled_up(source.shape[1]) - source.shape[1]
+    return np.pad(source, ((0, 0), (0, filler)), constant_values=-1).astype(np.int32)
 
 
 def _reduced(rows: Ints, cols: Ints, number: Ints, width: Ints, n: int) -> Pattern:
