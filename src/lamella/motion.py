@@ -24,7 +24,7 @@ from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Start, Statistics
 from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
-from lamella.solve.initial import balance, changes, make_consistent, refuse_locked, solve_rates, with_jump
+from lamella.solve.initial import balance, changes, make_consistent, refuse_locked, solve_rates, start_of, with_jump
 from lamella.solve.linear import Method, linear_solver
 from lamella.state import State
 from lamella.system import System
@@ -151,7 +151,7 @@ def refuse_spin(model: Model, item: str) -> None:
 def consistent_start(equations: Equations, linear: LinearSolver, t: float, initial: State | None) -> tuple[Point, Start]:
     """The consistent point nearest to a state, the reference configuration when left out, and what had to be changed."""
     model = equations.model
-    point = equations.start(t) if initial is None else equations.point_of(initial, t)
+    point = start_of(equations, t, initial)
     make_consistent(equations, point, linear)
     refuse_locked(equations)
     given = (model.q0, model.v0) if initial is None else (initial.q, initial.v)

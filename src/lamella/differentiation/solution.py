@@ -12,7 +12,7 @@ from lamella.differentiation.difference import Side
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours
 from lamella.roles import Floats
-from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent
+from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent, start_of
 from lamella.solve.linear import linear_solver
 
 
@@ -73,7 +73,7 @@ def start_derivative(neighbours: Neighbours, point: Point, given: PointDerivativ
 
     def evaluate(side: Side) -> Floats:
         equations = side.equations
-        there = equations.start(point.t) if given is None else given.moved(point, side.distance)
+        there = start_of(equations, point.t) if given is None else given.moved(point, side.distance)
         if not is_consistent(equations, there):
             make_consistent(equations, there, linear_solver(equations.matrix.pattern))
         return np.concatenate([there.u, there.ud])

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.linalg import splu
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.errors import ConstraintError, ModelError, SingularSystemError
+from lamella.inertia import whole_mass
 from lamella.result import Start
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
+from lamella.state import State
 
 MASS_ONLY = Weights(alpha_q=0.0, alpha_v=0.0, alpha_a=1.0, rate=1.0)
 
@@ -22,6 +25,33 @@ CONTRADICTION = 1e-8
 
 UNDETERMINED = 1e-13
 """Change of a field's equations, as a share of the terms it is summed of, that is rounding."""
+
+
+def start_of(equations: Equations, t: float, initial: State | None = None) -> Point:
+    """The point of a state, the reference configuration when left out, with the velocities nearest to the ones given.
+
+    Velocities of bodies, each given by itself, may disobey joints whose rows T, c are eliminated. Those of the unknowns are then
+
+        min_w |T w + c'(t) - v|_M,      T^T M T dw = T^T M (v - T w - c'(t))
+
+    so that impulses between the bodies, which change no momentum, close the joints, and nothing depends on which are unknowns.
+    Supports take precedence: a coordinate that they alone hold changes no other one.
+    """
+    point = equations.start(t) if initial is None else equations.point_of(initial, t)
+    model, T = equations.model, equations.elimination.T
+    v = model.v0 if initial is None else initial.v
+    gap, of_joints = v - equations.velocities(point), v - equations.expand(point.ud)
+    gap[np.diff(T.indptr) == 0] = gap[model.n_motion :] = 0.0
+    scale = ROUNDING * np.max(np.abs(v[: model.n_motion]) / model.magnitude[: model.n_motion], initial=1.0) * model.magnitude
+    gap[np.minimum(np.abs(gap), np.abs(of_joints)) <= scale] = 0.0
+    if gap.any():
+        M, n = whole_mass(model.vector_mass, model.n_q), equations.n_motion
+        try:
+            factor = splu(sparse.csc_array(T.T @ M @ T)[:n, :n])
+        except RuntimeError:  # a singular mass matrix, which solve_rates tells of
+            return point
+        point.ud[:n] += factor.solve((T.T @ (M @ gap))[:n])
+    return point
 
 
 def make_consistent(equations: Equations, point: Point, linear: LinearSolver) -> None:
