@@ -48,6 +48,25 @@ def test_statistics_are_taken_of_the_steps_that_a_result_records() -> None:
     assert found.values["angle"] == pytest.approx(angle.value(run), rel=1e-9)
 
 
+def strip(width: float) -> lm.System:
+    """A thin plate that a force at its tip bends; along a straight line of coordinates it is stretched."""
+    system, layup = lm.System(), lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700.0), thickness=2e-3)
+    plate = system.add(lm.Plate("plate", (1.5, width), (3, 2), layup, damping=1e-3))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PointForce("load", plate.marker("tip", 1.5, 0.3 * width), (0, 0, 20.0)))
+    return system
+
+
+def test_the_strain_energy_of_what_is_stretched_by_differences() -> None:
+    """Against differences of fourth order of whole runs, which rounding and Newton's tolerance leave off by some 1e-8."""
+    integrator = lm.GeneralizedAlpha(1e-3, newton=lm.Newton(tolerance=1e-12, keep=0.2))
+    motion, energy, h = lm.Motion("swing", 0.05, integrator), lm.SignalOutput("energy.strain"), 1e-3
+    found = lm.gradient(strip, {"width": 1.0}, {"energy": energy}, analyses=(motion,))
+    ends = {k: lm.simulate(strip(1.0 + k * h), motion.t_end, integrator).samples("energy.strain")[-1] for k in (-2, -1, 1, 2)}
+    expected = (8.0 * (ends[1] - ends[-1]) - (ends[2] - ends[-2])) / (12.0 * h)
+    assert found["energy", "width"] == pytest.approx(expected, rel=1e-6)
+
+
 class Listener:
     """A sink that interrupts after some samples."""
 

@@ -84,7 +84,7 @@ def gradient(
         parameters: what the parameters of a model file replace, as in a parameter study, by name.
         settings: ``key=value`` texts that replace values of the model file.
         sizes: typical size of a parameter, in its unit, by name; its value when left out, and 1 where that is 0. Residuals are
-            differenced over 2e-4 of it.
+            differenced over 5e-5 of it.
 
     Raises:
         DeclarationError: an unknown output, one that is not differentiable, or a parameter that changes more than numbers.
