@@ -9,7 +9,7 @@ from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, Real
 from pythonfmu.enums import Fmi2Status, Fmi2Variability
 
 from lamella.errors import LamellaError
-from lamella.fmu.lasting import lasting
+from lamella.fmu.lasting import interface_of, lasting
 from lamella.fmu.plant import Plant, Variable, as_state
 from lamella.fmu.units import NONE, base_units, is_structured
 from lamella.fmu.variables import Variables
@@ -21,8 +21,8 @@ class Fmi2Unit(Fmi2Slave):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.plant = Plant(str(self.resources))
-        interface = self.plant.interface
+        interface = interface_of(self)
+        self.plant = Plant(str(self.resources), interface)
         self.modelName, self.description, self.vars = interface.name, interface.description, Variables(interface.name)
         self._t_start = interface.t_start
         self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 from pythonfmu3 import DefaultExperiment, Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
 
 from lamella.errors import LamellaError
-from lamella.fmu.lasting import lasting
+from lamella.fmu.lasting import interface_of, lasting
 from lamella.fmu.plant import Plant, Variable, as_state
 from lamella.fmu.units import NONE, base_units, is_structured
 from lamella.fmu.variables import Variables
@@ -20,8 +20,8 @@ class Fmi3Unit(Fmi3Slave):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.plant = Plant(str(self.resources))
-        interface = self.plant.interface
+        interface = interface_of(self)
+        self.plant = Plant(str(self.resources), interface)
         self.modelName, self.description, self.vars = interface.name, interface.description, Variables(interface.name)
         self.default_experiment = DefaultExperiment(interface.t_start, interface.t_end, interface.step)
         self.time = interface.t_start

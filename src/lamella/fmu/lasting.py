@@ -5,7 +5,10 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from functools import wraps
+from pathlib import Path
 from typing import Any, TypeVar
+
+from lamella.fmu.plant import Interface, read_interface
 
 Unit = TypeVar("Unit", bound=type)
 
@@ -42,3 +45,17 @@ def _lasting(method: Callable[..., Any]) -> Callable[..., Any]:
             raise
 
     return call
+
+
+def interface_of(unit: Any) -> Interface:
+    """What a unit shows, read from its resources once for its class.
+
+    A reset makes the instance anew, and the binary uses what it has given up when that fails: nothing must be read then.
+
+    Raises:
+        ModelError: the interface is missing or damaged.
+    """
+    resources, of = Path(unit.resources), type(unit)
+    if "_interface" not in vars(of):
+        of._interface = read_interface(resources)
+    return of._interface

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, ModelError
 from lamella.io.analysis import Motion
 from lamella.io.model_file import loads
 from lamella.state import State
@@ -73,11 +75,15 @@ class Plant:
 
     Args:
         resources: folder of the resources.
+        interface: what it shows; read from the resources when left out.
+
+    Raises:
+        ModelError: the interface among the resources is missing or damaged.
     """
 
-    def __init__(self, resources: str | Path) -> None:
+    def __init__(self, resources: str | Path, interface: Interface | None = None) -> None:
         self._folder = Path(resources)
-        self.interface = read_interface(self._folder)
+        self.interface = interface or read_interface(self._folder)
         self._set = {item.name: item.start for item in self.interface.inputs}
         self._start = {item.name: item.start for item in self.interface.outputs}
         self._stepping: Stepping | None = None
@@ -176,13 +182,20 @@ def as_state(written: bytes) -> Any:
 
 
 def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
-    """The motion of a unit, from the files of its resources."""
-    model = loads((folder / MODEL).read_text(encoding="utf-8"), name=interface.name)
-    motion = next(item for item in model.analyses if item.name == interface.motion)
+    """The motion of a unit, from the files of its resources.
+
+    Raises:
+        ModelError: a file of the resources is missing or damaged.
+    """
+    with _read(folder / MODEL) as path:
+        text = path.read_text(encoding="utf-8")
+    model = loads(text, name=interface.name)
+    with _read(folder / MODEL):
+        motion = {item.name: item for item in model.analyses}[interface.motion]
     assert isinstance(motion, Motion)
     imperfection = initial = None
-    if (folder / START).is_file():
-        with np.load(folder / START) as arrays:
+    if motion.start is not None:
+        with _read(folder / START) as path, np.load(path) as arrays:
             initial = State(t, *(arrays[name] for name in ARRAYS))
             imperfection = arrays.get("imperfection")
     system = model.system.compile(imperfection)
@@ -191,10 +204,25 @@ def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
 
 
 def read_interface(folder: Path) -> Interface:
-    """The interface among the resources."""
-    data = json.loads((folder / INTERFACE).read_text(encoding="utf-8"))
-    inputs, outputs = (tuple(Variable(**item) for item in data.pop(key)) for key in ("inputs", "outputs"))
-    return Interface(**data, inputs=inputs, outputs=outputs)
+    """The interface among the resources.
+
+    Raises:
+        ModelError: the file is missing or damaged.
+    """
+    with _read(folder / INTERFACE) as path:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        inputs, outputs = (tuple(Variable(**item) for item in data.pop(key)) for key in ("inputs", "outputs"))
+        return Interface(**data, inputs=inputs, outputs=outputs)
+
+
+@contextmanager
+def _read(path: Path) -> Iterator[Path]:
+    """Tell of a file of the resources that cannot be read."""
+    try:
+        yield path
+    except (OSError, EOFError, KeyError, TypeError, ValueError, BadZipFile) as error:
+        why = getattr(error, "strerror", None) or "it is damaged"
+        raise ModelError(f"FMU: '{path}' cannot be read: {why}; accepted is the unit as it was written") from error
 
 
 def write_resources(folder: Path, interface: Interface, model: str, state: State | None, imperfection: object) -> Sequence[Path]:

@@ -1,0 +1,112 @@
+"""Units of FMI whose resources are damaged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lamella as lm
+from lamella.errors import ModelError
+from lamella.fmu.plant import Plant
+
+fmpy = pytest.importorskip("fmpy")
+fmi2 = pytest.importorskip("fmpy.fmi2")
+fmi3 = pytest.importorskip("fmpy.fmi3")
+pytest.importorskip("pythonfmu")
+pytest.importorskip("pythonfmu3")
+
+MODEL = """\
+lamella: 1
+title: A mass on a spring
+system:
+  ground: {type: ground}
+  mass: {type: rigid_body, mass: 2 kg, inertia: [1, 1, 1], position: [0, 0, -0.5 m]}
+  guide: {type: prismatic_joint, a: ground.origin, b: mass.origin, axis: [0, 0, 1]}
+  spring: {type: spring_damper, a: ground.origin, b: mass.origin, stiffness: 100, rest_length: 0.4}
+  gravity: {type: gravity}
+  push: {type: point_force, on: mass.origin, force: [0, 0, 1 N], profile: 0}
+analysis:
+  hanging: {type: statics}
+  plant: {type: linear, about: hanging, inputs: [push], outputs: [mass.position.z]}
+  motion: {type: motion, start: hanging, t_end: 0.1 s, integrator: {dt: 1 ms}}
+"""
+VERSIONS = [2, 3]
+
+
+@pytest.fixture(scope="module")
+def units(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
+    model = tmp_path_factory.mktemp("unit") / "hung.yaml"
+    model.write_text(MODEL, encoding="utf-8")
+    return {fmi: lm.export_fmu(model, model.with_name(f"hung{fmi}.fmu"), fmi=fmi) for fmi in VERSIONS}
+
+
+def _instance(path: Path, fmi: int, folder: Path):
+    """A unit of the package that is unpacked in ``folder``, and how it is initialised."""
+    description = fmpy.read_model_description(path)
+    where = folder if folder.exists() else fmpy.extract(path, folder)  # a binary that is loaded must not be written again
+    cls, key = (fmi2.FMU2Slave, description.guid) if fmi == 2 else (fmi3.FMU3Slave, description.instantiationToken)
+    identifier = description.coSimulation.modelIdentifier
+    slave = cls(guid=key, unzipDirectory=where, modelIdentifier=identifier, instanceName="unit")
+    slave.instantiate(loggingOn=True)
+
+    def begin() -> None:
+        if fmi == 2:
+            slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+
+    return slave, begin
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_unit_whose_resources_are_gone_is_reset_and_then_told(units, fmi, tmp_path, capfd):
+    slave, begin = _instance(units[fmi], fmi, tmp_path / "unit")
+    begin()
+    slave.doStep(0.0, 1e-3)
+    for name in ("interface.json", "model.yaml"):
+        (tmp_path / "unit" / "resources" / name).unlink()
+    slave.reset()  # makes the instance anew; where that fails the binary uses what it has freed
+    with pytest.raises(Exception, match="EnterInitializationMode failed"):
+        begin()
+    assert "model.yaml' cannot be read: No such file or directory; accepted is the unit as it was" in "".join(capfd.readouterr())
+    slave.reset()
+    slave.freeInstance()
+
+
+def _part(name: str, content: bytes | None):
+    """What damages a file of the resources: it is taken away, or has another content."""
+
+    def damage(resources: Path) -> None:
+        path = resources / name
+        path.unlink()
+        if content is not None:
+            path.write_bytes(content)
+
+    return damage
+
+
+def _without_coordinates(resources: Path) -> None:
+    np.savez(resources / "start.npz", v=np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (_part("interface.json", None), r"interface\.json' cannot be read: No such file"),
+        (_part("interface.json", b'{"name": 3'), r"interface\.json' cannot be read: it is damaged"),
+        (_part("interface.json", b'{"inputs": [], "outputs": []}'), r"interface\.json' cannot be read: it is damaged"),
+        (_part("model.yaml", b"\xff"), r"model\.yaml' cannot be read: it is damaged"),
+        (_part("model.yaml", MODEL.replace("  motion:", "  moves:").encode()), r"model\.yaml' cannot be read: it is damaged"),
+        (_part("start.npz", None), r"start\.npz' cannot be read: No such file"),  # it began somewhere else
+        (_part("start.npz", b"PK"), r"start\.npz' cannot be read: it is damaged"),
+        (_part("start.npz", b""), r"start\.npz' cannot be read: it is damaged"),
+        (_without_coordinates, r"start\.npz' cannot be read: it is damaged"),
+    ],
+)
+def test_a_damaged_unit_is_told(units, tmp_path, damage, said):
+    resources = Path(fmpy.extract(units[2], tmp_path)) / "resources"
+    damage(resources)
+    with pytest.raises(ModelError, match=f"^FMU: '.*{said}.*; accepted is the unit as it was written"):
+        Plant(resources).begin(0.0)
