@@ -1,7 +1,8 @@
-"""Units of FMI whose resources are damaged."""
+"""Units of FMI whose resources are damaged, and what their binaries hold when the process ends."""
 
 from __future__ import annotations
 
+import atexit
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import lamella as lm
 from lamella.errors import ModelError
+from lamella.fmu.lasting import ENDING
 from lamella.fmu.plant import Plant
 
 fmpy = pytest.importorskip("fmpy")
@@ -58,6 +60,25 @@ def _instance(path: Path, fmi: int, folder: Path):
         slave.exitInitializationMode()
 
     return slave, begin
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_binary_lets_go_of_python_before_the_process_ends(units, fmi, tmp_path, monkeypatch):
+    """Its own end lets go twice, the second time by memory that is freed."""
+    ends: list = []
+    monkeypatch.setattr(atexit, "register", ends.append)
+    for name in ("one", "one", "other"):  # a unit that is unpacked once more has a binary of its own
+        slave, _ = _instance(units[fmi], fmi, tmp_path / name)
+        slave.reset()
+        slave.freeInstance()
+    assert [end.__name__ for end in ends] == ["finalizePythonInterpreter"] * 2
+    assert {path.parents[2].name for path in ENDING} >= {"one", "other"}
+    for end in ends:
+        end()  # as at the end of the process; a unit may be made again
+    slave, begin = _instance(units[fmi], fmi, tmp_path / "one")
+    begin()
+    slave.doStep(0.0, 1e-3)
+    slave.freeInstance()
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
