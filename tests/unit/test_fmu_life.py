@@ -1,9 +1,11 @@
-"""Units of FMI whose resources are damaged, and what their binaries hold when the process ends."""
+"""Units of FMI whose resources are damaged, whose lamella is missing, and what their binaries hold when the process ends."""
 
 from __future__ import annotations
 
 import atexit
+import sys
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -131,3 +133,16 @@ def test_a_damaged_unit_is_told(units, tmp_path, damage, said):
     damage(resources)
     with pytest.raises(ModelError, match=f"^FMU: '.*{said}.*; accepted is the unit as it was written"):
         Plant(resources).begin(0.0)
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_unit_without_lamella_is_told(units, fmi, monkeypatch):
+    """The binary of FMI 3 ended the process where the unit's text could not be run."""
+    with ZipFile(units[fmi]) as unit:
+        name = next(item for item in unit.namelist() if item.startswith("resources/hung") and item.endswith(".py"))
+        text = unit.read(name).decode()
+    monkeypatch.setitem(sys.modules, f"lamella.fmu.fmi{fmi}", None)
+    there: dict = {}
+    exec(text, there)
+    with pytest.raises(ImportError, match=r"the unit 'hung' cannot be run without lamella: .*fmi\d"):
+        there["hung"](instance_name="unit", resources=".")

@@ -29,8 +29,16 @@ PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
 """Package that makes a unit, by version of FMI."""
 SCRIPT = """\"\"\"The unit of a lamella model: where it is run, Python needs lamella.\"\"\"
 
-from lamella.fmu.fmi{fmi} import Fmi{fmi}Unit
 from {package} import Fmi{fmi}Slave
+
+try:
+    from lamella.fmu.fmi{fmi} import Fmi{fmi}Unit
+except Exception as error:  # the binary of FMI 3 ends the process when this text cannot be run
+    said = "the unit '{name}' cannot be run without lamella: " + str(error)
+
+    class Fmi{fmi}Unit:
+        def __new__(cls, **options):
+            raise ImportError(said)
 {before}
 
 class {name}(Fmi{fmi}Unit, Fmi{fmi}Slave):
