@@ -182,6 +182,24 @@ def test_a_law_that_goes_wrong_is_told_with_its_time(law, said):
         lm.simulate(sledge(law), END, STEPS)
 
 
+def test_a_function_may_fill_one_array_for_several_controllers():
+    """It fills it anew for the second one, which is not what the first one gave."""
+    given = np.zeros(1)
+
+    def law(t, y):
+        given[:] = -y
+        return given
+
+    bodies = [lm.RigidBody(name, mass=MASS, inertia=(1, 1, 1), position=(x, 0, 0)) for name, x in (("one", 1.0), ("two", 5.0))]
+    pushes = [lm.PointForce(f"push_{body.name}", body.origin, (1.0, 0, 0)) for body in bodies]
+    pilots = [
+        lm.Controller(f"pilot_{body.name}", (f"{body.name}.position.x",), (push.name,), lm.FunctionLaw(law), PERIOD)
+        for body, push in zip(bodies, pushes, strict=True)
+    ]
+    run = lm.simulate(system_of(*bodies, *pushes, *pilots), 0.1, STEPS)
+    assert [run[f"pilot_{body.name}.output"].values[1] for body in bodies] == [-1.0, -5.0]
+
+
 def test_a_pid_takes_one_value():
     with pytest.raises(ModelError, match="a PID takes one measured value, 2 are given"):
         lm.simulate(sledge(PD, measures=("sledge.position.x", "sledge.velocity.x")), END, STEPS)

@@ -134,9 +134,10 @@ class FunctionLaw(ControlLaw):
         return np.array(self.start, float)
 
     def sample(self, t: float, y: Floats, x: Floats, period: float) -> tuple[Floats, Floats]:
+        # what it gives is copied: a function may fill one array of its own again and again
         if not self.start:
-            return np.atleast_1d(np.asarray(self.function(t, y.copy()), float)), x
+            return np.atleast_1d(np.array(self.function(t, y.copy()), float)), x
         found: object = self.function(t, y.copy(), x.copy())
         if not isinstance(found, tuple) or len(found) != 2:
             raise ValueError("a law with a state gives the pair (u, x_next)")
-        return np.atleast_1d(np.asarray(found[0], float)), np.atleast_1d(np.asarray(found[1], float))
+        return np.atleast_1d(np.array(found[0], float)), np.atleast_1d(np.array(found[1], float))
