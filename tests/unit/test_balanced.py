@@ -10,6 +10,7 @@ from scipy.io import loadmat
 
 import lamella as lm
 from lamella.errors import DeclarationError, ModelError, ResultFileError
+from lamella.study.linear_outputs import describe
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,15 @@ def test_error_of_balanced_truncation_lies_within_its_bounds(plate, order):
     # at most twice the sum of the singular values left out; no model of this order errs by less than the first of them (Glover)
     assert reduced.hankel[order] * (1 - 1e-6) < error < reduced.error_bound * (1 + 1e-6)
     assert reduced.error_bound == pytest.approx(2 * reduced.hankel[order:].sum())
+
+
+def test_a_model_without_states_that_nothing_drives_or_sees_says_so(plate):
+    """A plate that is pushed at its middle neither twists nor bends sideways: there are fewer states than asked for."""
+    whole, told = plate.balanced(20), "; no further states are both reached by inputs and seen in outputs"
+    assert whole.n_states == 14
+    assert describe(whole) == f"14 states, 1 input, 2 outputs, stable{told}"
+    assert largest_error(plate, whole) < 1e-11 * whole.hankel[0]
+    assert not any(told in describe(model) for model in (plate, plate.balanced(12)))
 
 
 def test_hankel_singular_values_of_a_first_order_system():

@@ -55,7 +55,15 @@ def describe(linear: StateSpace) -> str:
     """A linear model in a line."""
     counts = [(linear.n_states, "state"), (len(linear.inputs), "input"), (len(linear.outputs), "output")]
     text = ", ".join(f"{n} {word}{'s' * (n != 1)}" for n, word in counts)
-    return f"{text}, {'stable' if linear.is_stable else 'not asymptotically stable'}"
+    text += f", {'stable' if linear.is_stable else 'not asymptotically stable'}"
+    return f"{text}; no further states are both reached by inputs and seen in outputs" if _is_whole(linear) else text
+
+
+def _is_whole(linear: StateSpace) -> bool:
+    """Whether balancing has left out only states whose singular values are rounding, also where more were asked for."""
+    if linear.hankel is None or linear.error_bound is None:
+        return False
+    return bool(0.0 < linear.error_bound <= 2.0 * len(linear.hankel) ** 2 * np.finfo(float).eps * linear.hankel[0])
 
 
 def _summary(linear: StateSpace) -> str:
