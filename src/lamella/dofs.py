@@ -226,7 +226,8 @@ class Build:
     fully_clamped: list[tuple[str, str]] = field(default_factory=list)
     """Joints that hold the strain at an edge of a plate at zero, with the name of the plate."""
     notes: list[str] = field(default_factory=list)
-    """What the user should know about the system, in sentences."""
+    beginnings: list[str] = field(default_factory=list)
+    """What the user should know about the system, and about a motion that begins as the bodies are declared, in sentences."""
     imperfection: Floats | None = None
     """Added to the stress-free geometry of elastic plates, all coordinates of motion in the order of numbering."""
     spin: Floats | None = None
@@ -246,8 +247,7 @@ class Build:
             q: initial values, shape (n, 3).
             v: initial velocities, shape (n, 3).
             is_position: True where a vector is a position (moved by a translation), shape (n,).
-            magnitude: typical size of a change of each vector (length for a position, 1 for a slope), for convergence
-                criteria that do not depend on the unit system, shape (n,).
+            magnitude: typical size of a change of each vector (length for a position, 1 for a slope) in any units, shape (n,).
 
         Raises:
             ModelError: scalar fields, which lie behind all vectors, are numbered already.

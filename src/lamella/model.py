@@ -48,6 +48,7 @@ class Model:
         fields: scalar fields, whose values are the coordinates behind those of the vectors.
         redundant: what to do with constraints that repeat others: ``raise`` an error that names them, or ``drop`` them.
         notes: what the user should know about the system, in sentences.
+        beginnings: what the user should know about a motion that begins in the reference configuration, in sentences.
         imperfection: what was added to the stress-free geometry of the plates, shape (n_q,); None when it is perfect.
         spin: angular velocity of the frame in which the system is described [rad/s], shape (3,); None when it is inertial.
         description: the system as data for result files, None when it was not given.
@@ -74,6 +75,7 @@ class Model:
     fields: tuple[ScalarField, ...] = ()
     redundant: Literal["raise", "drop"] = "raise"
     notes: tuple[str, ...] = ()
+    beginnings: tuple[str, ...] = ()
     imperfection: Floats | None = None
     spin: Floats | None = None
     description: Any = field(default=None, compare=False)
@@ -176,6 +178,7 @@ class Model:
             fields=tuple(build.fields),
             redundant=redundant,
             notes=tuple(build.notes),
+            beginnings=tuple(build.beginnings),
             imperfection=build.imperfection,
             spin=build.spin,
             description=description,

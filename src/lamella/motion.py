@@ -154,8 +154,10 @@ def consistent_start(equations: Equations, linear: LinearSolver, t: float, initi
     point = start_of(equations, t, initial)
     make_consistent(equations, point, linear)
     refuse_locked(equations)
-    given = (model.q0, model.v0) if initial is None else (initial.q, initial.v)
-    return point, changes(equations, point, *given)
+    if initial is not None:
+        return point, changes(equations, point, initial.q, initial.v)
+    start = changes(equations, point, model.q0, model.v0)
+    return point, replace(start, left_out=(*start.left_out, *model.beginnings))
 
 
 def _judged(outcome: Outcome, equations: Equations, final: State, recorder: Recorder) -> Outcome:

@@ -172,6 +172,28 @@ def test_nothing_is_told_of_clamps_that_heat_does_not_strain(kind, options):
     assert "clamps" not in notes_of(*heated(kind, **options))
 
 
+def test_a_plate_that_begins_with_the_stress_of_its_temperature_is_told():
+    """Where it begins from an equilibrium it has grown, and in statics nothing begins."""
+    told, steps = "'heat' begins at 310 K, 'panel' is free of stress at 290 K", lm.GeneralizedAlpha(dt=1e-3)
+
+    def begun(initial=None, **material):
+        system, plate = heated(field=False, **material)
+        system.add(lm.TemperatureField("heat", plate, reference=290.0, initial=initial))
+        system.add(lm.Film("air", plate, 10.0, 310.0))
+        return system
+
+    def notes(result):
+        return " ".join(result.start.notes)
+
+    system = begun(310.0)
+    still = lm.equilibrium(system)
+    assert told in notes(lm.simulate(system, 2e-3, steps))
+    assert told in notes(lm.Stepping(system, steps))
+    silent = [still, lm.simulate(system, 2e-3, steps, initial=still.final)]
+    silent += [lm.simulate(other, 2e-3, steps) for other in (begun(), begun(290.0), begun(310.0, alpha=0.0))]
+    assert not any("begins" in notes(result) for result in silent)
+
+
 @pytest.mark.parametrize(
     ("text", "kelvin"),
     [("20 degC", 293.15), ("20°C", 293.15), ("-20.5 celsius", 252.65), ("68 degF", 293.15), ("1e1 degC", 283.15)],

@@ -30,7 +30,8 @@ class TemperatureField(Declaration):
     unless a temperature is prescribed there. Thermal strain alpha (T - T_0) bends and stretches the plate, with every strain
     model but ``rigid``.
 
-    An edge that is clamped ``full`` cannot grow in its plane; it is told among the notes of the start.
+    An edge that is clamped ``full`` cannot grow in its plane; it is told among the notes of the start, as is a motion that
+    begins at another temperature than the reference.
 
     Args:
         name: unique name; the result holds ``<name>.heat`` [J], what is stored above the reference temperature, ``<name>.mean``
@@ -118,6 +119,12 @@ class TemperatureField(Declaration):
                 for joint, clamped in build.fully_clamped
                 if clamped == plate.name
             ]
+            if self.initial not in (None, self.reference):
+                build.beginnings.append(
+                    f"'{self.name}' begins at {self.initial:g} K, '{plate.name}' is free of stress at {self.reference:g} K: it "
+                    "begins with stress and vibrates faster than long steps resolve; where it is at rest at the start, give its "
+                    "temperature there as 'reference', or start from an equilibrium"
+                )
 
 
 def _marker_signals(name: str, where: str, mesh: TemperatureMesh, at: tuple[float, float]) -> list[Signal]:
