@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from linear_systems import cantilever, hub, pendulum
-from scipy import signal
+from scipy import linalg, signal
 from scipy.io import loadmat
 
 import lamella as lm
@@ -126,6 +126,37 @@ def test_response_is_exact_for_inputs_that_are_linear_between_the_times(plate):
 def test_a_model_with_a_pole_at_zero_has_no_gain():
     with pytest.raises(ModelError, match="a pole at zero"):
         lm.linearise(hub(), ("motor",), ("pin.angle",)).state_space(3).dc_gain()
+
+
+def blocks(*parts):
+    """A model whose matrix has these blocks on its diagonal, with an input and an output for all states."""
+    A = linalg.block_diag(*parts)
+    one = np.ones((len(A), 1))
+    return lm.StateSpace(A, one, one.T, np.zeros((1, 1)), ("u",), ("y",), ("1",), ("1",), np.zeros(1), np.zeros(1))
+
+
+def oscillator(frequency, damping):
+    return np.array([[0.0, 1.0], [-(frequency**2), -2.0 * damping * frequency]])
+
+
+def test_slow_poles_that_decay_beside_fast_ones_are_stable():
+    """Stiff damping has poles a million of millions times faster than a temperature; real parts are known better than by that."""
+    model = blocks([[-5e8]], [[-1e-3]], oscillator(1.7, 4e-4))
+    assert model.is_stable
+    assert model.dc_gain()[0, 0] == pytest.approx(1000.0 + 2.0 * 4e-4 / 1.7 + 1.0 / 1.7**2 - 1.0, rel=1e-9)
+    assert model.balanced(3).n_states == 3
+    assert not blocks([[-5e8]], oscillator(1.7, 0.0)).is_stable
+    assert not blocks([[-5e8]], oscillator(1e5, 0.0)).is_stable
+
+
+@pytest.mark.parametrize("stiffness", [4.8e-12, -4.8e-12, 0.0])
+def test_what_rounding_makes_of_a_free_motion_are_poles_at_zero(stiffness):
+    """The pair of poles is real or imaginary, by the sign of what is left of the stiffness."""
+    model = blocks([[0.0, 1.0], [-stiffness, 0.0]], oscillator(2e4, 1e-3))
+    with pytest.raises(ModelError, match="a pole at zero"):
+        model.dc_gain()
+    with pytest.raises(ModelError, match="2 of 4 poles are not stable"):
+        model.balanced(1)
 
 
 def test_a_frequency_at_a_pole_is_refused():

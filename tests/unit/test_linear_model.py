@@ -185,8 +185,8 @@ def test_heat_alone_has_no_motions():
     assert model.state_space().balanced(1).dc_gain()[0, 0] == pytest.approx(1 / 20.0, rel=1e-6)
 
 
-def heated():
-    plate = lm.Plate("plate", (0.4, 0.3), (2, 2), lm.Laminate(HOT, thickness=2e-3), damping=1e-4)
+def heated(damping=1e-4):
+    plate = lm.Plate("plate", (0.4, 0.3), (2, 2), lm.Laminate(HOT, thickness=2e-3), damping=damping)
     tip = plate.marker("tip", 0.4, 0.15)
     return system_of(
         plate,
@@ -219,6 +219,16 @@ def test_temperatures_are_states_behind_the_motions():
     assert gain[1, 0] == pytest.approx(0.5 * (bent[0] - bent[1]), rel=1e-5)
     with pytest.raises(DeclarationError, match=r"temperatures.*accepted is the whole model"):
         lm.linearise(heated(), ("sun",), ("heat.mean",)).state_space(3)
+
+
+def test_temperatures_beside_stiff_damping_are_stable():
+    """The membrane decays 1e12 times faster than the plate cools down."""
+    model = lm.linearise(heated(damping=1e-2), ("sun",), ("heat.mean",)).state_space()
+    sizes = np.abs(model.poles())
+    assert sizes[0] < 1e-11 * sizes[-1]
+    assert model.is_stable
+    assert model.dc_gain()[0, 0] == pytest.approx(1 / 20.0, rel=1e-9)
+    assert model.balanced(1).dc_gain()[0, 0] == pytest.approx(1 / 20.0, rel=1e-6)
 
 
 def test_a_prescribed_temperature_is_an_input():

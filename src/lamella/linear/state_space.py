@@ -16,13 +16,12 @@ from scipy import linalg
 from lamella.arguments import WHOLE, accepts, numbers
 from lamella.errors import DeclarationError, MissingExtraError, ModelError, ResultFileError
 from lamella.linear.balanced import balanced_truncation
+from lamella.linear.marginal import marginal
 from lamella.roles import Floats
 from lamella.whole import replaced
 
 Complexes = NDArray[np.complex128]
 
-MARGINAL = 1e-10
-"""Real part, as a share of the fastest pole, above which a pole counts as not stable: rounding of a pole on the axis."""
 MATRICES = ("A", "B", "C", "D", "input_values", "output_values")
 NAMES = ("inputs", "outputs", "input_units", "output_units")
 
@@ -67,7 +66,7 @@ class StateSpace:
     @property
     def is_stable(self) -> bool:
         """Whether all poles lie to the left of the imaginary axis."""
-        return not self._unstable(self.poles()).any()
+        return not marginal(self.A)[1].any()
 
     def dc_gain(self) -> Floats:
         """Steady outputs for constant inputs, D - C A^-1 B, shape (p, m).
@@ -75,8 +74,7 @@ class StateSpace:
         Raises:
             ModelError: there are none: a rigid-body motion or another pole at zero.
         """
-        sizes = np.abs(self.poles())
-        if len(sizes) and sizes[0] <= MARGINAL * sizes[-1]:
+        if marginal(self.A)[2].any():
             raise ModelError("dc_gain: the model has a pole at zero, a constant input gives no steady output")
         return self.D - self.C @ np.linalg.solve(self.A, self.B)
 
@@ -151,7 +149,8 @@ class StateSpace:
             DeclarationError: the order is not possible.
             ModelError: more poles are not stable than there shall be states.
         """
-        unstable = int(self._unstable(self.poles()).sum())
+        poles, kept, _ = marginal(self.A)
+        unstable = int(np.sum(poles.real >= poles.real[kept].min(initial=np.inf)))
         if not 1 <= order <= self.n_states:
             raise DeclarationError("balanced", f"order = {order}", f"accepted is 1 to {self.n_states}")
         if unstable > order:
@@ -240,9 +239,6 @@ class StateSpace:
         data["error_bound"] = np.nan if self.error_bound is None else self.error_bound
         data["hankel"] = np.zeros(0) if self.hankel is None else self.hankel
         return data
-
-    def _unstable(self, poles: Complexes) -> NDArray[np.bool_]:
-        return poles.real > -MARGINAL * np.abs(poles).max(initial=0.0)
 
     @staticmethod
     def _number(name: str, known: tuple[str, ...], kind: str) -> int:
