@@ -213,7 +213,7 @@ def test_a_variable_that_is_not_there_or_cannot_be_set_is_told(units, fmi, tmp_p
         (lambda: get([0, 99]), unknown),
         (lambda: put([99], [1.0]), unknown),
         (lambda: put([held], [1.0]), f"FMU 'plant': '{OUTPUTS[0]}' is set; accepted is an input: actuator"),
-        (lambda: put([held - 1], [np.nan]), "the input 'actuator' is set to nan; accepted is a number of up to 1e+30"),
+        (lambda: put([held - 1], [np.nan]), "FMU 'plant': the input 'actuator' is set to nan; accepted is a number of up to"),
     ]
     if fmi == 3:
         cases.append((lambda: put([0], [1.0]), "FMU 'plant': 'time' is set; accepted is an input: actuator"))

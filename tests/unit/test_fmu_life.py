@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import lamella as lm
-from lamella.errors import ModelError
+from lamella.errors import DeclarationError, ModelError
 from lamella.fmu.lasting import ENDING
 from lamella.fmu.plant import Plant
 
@@ -96,6 +96,14 @@ def test_a_unit_whose_resources_are_gone_is_reset_and_then_told(units, fmi, tmp_
     assert "model.yaml' cannot be read: No such file or directory; accepted is the unit as it was" in "".join(capfd.readouterr())
     slave.reset()
     slave.freeInstance()
+
+
+def test_an_input_that_is_no_number_is_refused_before_there_is_a_motion(units, tmp_path):
+    plant = Plant(Path(fmpy.extract(units[2], tmp_path)) / "resources")
+    with pytest.raises(DeclarationError, match="FMU 'hung': the input 'push' is set to nan; accepted is a number of up to"):
+        plant.set("push", np.nan)
+    plant.begin(0.0)
+    assert plant.input("push") == 0.0
 
 
 def _part(name: str, content: bytes | None):
