@@ -329,12 +329,20 @@ def test_wrong_calls_are_told():
         (lambda: run.get("tip"), "there is no output 'tip'"),
         (lambda: run.advance(-1.0), "a communication step of -1.0 s"),
         (lambda: run.advance_to(0.0), "later than the present one, 0 s"),
+        (lambda: run.advance(1e-300), "a communication step of 1e-300 s; accepted is one of at least 1e-20 of the integrator's"),
         (lambda: run.restore(b"[1]"), "no saved state"),
         (lambda: run.restore(b"\xff"), "no saved state"),
         (lambda: run.restore(lm.Stepping(pendulum(), STEPS).save()), "another system"),
     ):
         with pytest.raises(DeclarationError, match=said):
             call()
+
+
+def test_a_first_step_that_does_not_converge_is_told():
+    run = lm.Stepping(cantilever(load=1e9), STEPS)
+    with pytest.raises(ConvergenceError, match="the motion stopped at 0 of"):
+        run.advance(0.1)
+    assert run.t == 0.0
 
 
 def test_an_event_ends_the_motion_until_it_is_reset():

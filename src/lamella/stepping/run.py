@@ -30,6 +30,8 @@ from lamella.units import LARGEST
 
 CLOSE = 1e-9
 """Share of the integrator's step within which two times are the same."""
+SHORTEST = 1e-20
+"""Shortest communication step as a share of the integrator's; squares of its inverse are computed with."""
 SUMMED = ("energy.", "work.")
 """Signals of which the energy balance is the sum."""
 
@@ -128,7 +130,7 @@ class Stepping:
         self._signals = system_signals(self._equations)
         self._known = {signal.name: signal for signal in self._signals}
         self.statistics = Statistics()
-        follower = _Follower(self._signals, "time", self._t_start, np.inf)
+        follower = _Follower(self._signals, "time", self._t_start, np.inf, at=[self._t_start])
         self._march = March(
             self._equations, self._integrator, follower, self.statistics, np.inf, self._linear, self._solver, stride=1
         )
@@ -221,6 +223,12 @@ class Stepping:
             )
         if not np.isfinite(t) or t <= march.t:
             raise DeclarationError(ITEM, f"advance to {t} s", f"accepted is a time later than the present one, {march.t:g} s")
+        if t - march.t < SHORTEST * self._integrator.dt:
+            raise DeclarationError(
+                ITEM,
+                f"a communication step of {t - march.t:g} s",
+                f"accepted is one of at least {SHORTEST:g} of the integrator's, {self._integrator.dt:g} s",
+            )
         self._take()
         march.stepper.forget()
         march.t_end = t
