@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import base64
 import sys
 from pathlib import Path
 from zipfile import ZipFile
@@ -104,6 +105,17 @@ def test_an_input_that_is_no_number_is_refused_before_there_is_a_motion(units, t
         plant.set("push", np.nan)
     plant.begin(0.0)
     assert plant.input("push") == 0.0
+
+
+def test_a_state_that_is_refused_begins_no_motion(units, tmp_path):
+    """It is that of a unit with the same inputs and another model."""
+    plant = Plant(Path(fmpy.extract(units[2], tmp_path)) / "resources")
+    ball = lm.System()
+    ball.add(lm.RigidBody("ball", mass=1.0, inertia=(1, 1, 1)))
+    other = lm.Stepping(ball, lm.GeneralizedAlpha(dt=1e-3)).save()
+    with pytest.raises(DeclarationError, match="the saved state is that of another system"):
+        plant.restore({"inputs": {"push": 0.0}, "run": base64.b64encode(other).decode()})
+    assert not plant.moves
 
 
 def _part(name: str, content: bytes | None):

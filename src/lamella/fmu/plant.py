@@ -166,13 +166,13 @@ class Plant:
             raise DeclarationError(f"FMU '{self.interface.name}'", "what is restored is no state", accepted) from error
         if inputs.keys() != self._set.keys():
             raise DeclarationError(f"FMU '{self.interface.name}'", "what is restored is the state of another unit", accepted)
+        motion = self._stepping
         if state is None:
-            self._stepping = None
+            motion = None
         else:
-            if self._stepping is None:
-                self._stepping = stepping(self._folder, self.interface, self.interface.t_start)
-            self._stepping.restore(state)
-        self._set = inputs
+            motion = motion or stepping(self._folder, self.interface, self.interface.t_start)
+            motion.restore(state)
+        self._stepping, self._set = motion, inputs
 
     def _running(self) -> Stepping:
         if self._stepping is None:
