@@ -156,6 +156,18 @@ def test_a_damaged_unit_is_told(units, tmp_path, damage, said):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.parametrize(("name", "found"), [("2-bodies", "_2_bodies"), ("class", "_class"), ("None", "_None")])
+def test_a_name_that_python_does_not_know_is_made_one(tmp_path, fmi, name, found):
+    model = tmp_path / f"{name}.yaml"
+    model.write_text(MODEL, encoding="utf-8")
+    unit = lm.export_fmu(model, tmp_path / "unit.fmu", fmi=fmi)
+    assert fmpy.read_model_description(unit).modelName == found
+    slave, begin = _instance(unit, fmi, tmp_path / "unit")
+    begin()
+    slave.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
 def test_a_unit_without_lamella_is_told(units, fmi, monkeypatch):
     """The binary of FMI 3 ended the process where the unit's text could not be run."""
     with ZipFile(units[fmi]) as unit:

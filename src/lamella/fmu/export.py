@@ -7,6 +7,7 @@ import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
+from keyword import iskeyword
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -111,7 +112,7 @@ def export_fmu(
         channels = dict(inputs) if isinstance(inputs, Mapping) else {item: item for item in inputs}
         variables = tuple(Variable(item, "1", "", 0.0) for item in outputs)
         draft = Interface(
-            re.sub(r"\W", "_", name or Path(model).stem, flags=re.ASCII),
+            _identifier(name or Path(model).stem),
             file.title,
             chosen.name,
             step or chosen.integrator.dt,
@@ -126,6 +127,12 @@ def export_fmu(
         files = write_resources(resources, interface, file.text(), state, imperfection)
         made = _build(builder, fmi, interface.name, files, Path(folder))
         return _put(made, target)
+
+
+def _identifier(name: str) -> str:
+    """A name of a class and of a file: of letters, digits and underscores, without a digit at first, and no word of Python."""
+    found = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return found if found.isidentifier() and not iskeyword(found) else f"_{found}"
 
 
 def _builder(fmi: int) -> Any:
