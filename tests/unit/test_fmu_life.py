@@ -19,6 +19,7 @@ from lamella.fmu.plant import Plant
 fmpy = pytest.importorskip("fmpy")
 fmi2 = pytest.importorskip("fmpy.fmi2")
 fmi3 = pytest.importorskip("fmpy.fmi3")
+validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
 pytest.importorskip("pythonfmu")
 pytest.importorskip("pythonfmu3")
 
@@ -153,6 +154,19 @@ def test_a_damaged_unit_is_told(units, tmp_path, damage, said):
     damage(resources)
     with pytest.raises(ModelError, match=f"^FMU: '.*{said}.*; accepted is the unit as it was written"):
         Plant(resources).begin(0.0)
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_unit_without_outputs_or_with_an_input_called_time_is_valid(units, tmp_path, fmi):
+    model = units[fmi].with_name("hung.yaml")
+    unit = lm.export_fmu(model, tmp_path / "unit.fmu", fmi=fmi, inputs=("push",), outputs=())
+    assert validate_fmu(str(unit)) == []
+    timed = {"inputs": {"time": "push"}, "outputs": ("mass.position.z",), "overwrite": True}
+    if fmi == 2:
+        assert validate_fmu(str(lm.export_fmu(model, unit, fmi=2, **timed))) == []
+    else:
+        with pytest.raises(DeclarationError, match=r"an input is called 'time', .* accepted is another name, \{'name': 'push'\}"):
+            lm.export_fmu(model, unit, fmi=3, **timed)
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)

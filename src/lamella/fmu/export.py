@@ -53,6 +53,8 @@ ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 BEFORE = {2: REFERENCE, 3: ""}
 """What the script of a unit needs besides, by version of FMI."""
 ITEM = "export_fmu"
+TIME = "time"
+"""A variable that every unit of FMI 3 has."""
 
 
 @accepts(inputs=optional(NAMED), outputs=optional(NAMES), step=optional(NUMBER))
@@ -110,6 +112,9 @@ def export_fmu(
         resources.mkdir()
         state, imperfection = _start(file, chosen)
         channels = dict(inputs) if isinstance(inputs, Mapping) else {item: item for item in inputs}
+        if fmi == 3 and TIME in channels:
+            other = f"accepted is another name, {{'name': '{channels[TIME]}'}}"
+            raise DeclarationError(ITEM, f"an input is called '{TIME}', as the time of FMI 3", other)
         variables = tuple(Variable(item, "1", "", 0.0) for item in outputs)
         draft = Interface(
             _identifier(name or Path(model).stem),

@@ -60,9 +60,11 @@ class Fmi2Unit(Fmi2Slave):
                 entry[0].set("unit", unit)
         structure = root.find("ModelStructure")
         assert structure is not None
-        unknowns = SubElement(structure, "InitialUnknowns")
-        for output in list(structure.iterfind("Outputs/Unknown")):
-            SubElement(unknowns, "Unknown", index=output.attrib["index"])
+        outputs = list(structure.iterfind("Outputs/Unknown"))
+        if outputs:
+            unknowns = SubElement(structure, "InitialUnknowns")
+            for output in outputs:
+                SubElement(unknowns, "Unknown", index=output.attrib["index"])
         return root
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
