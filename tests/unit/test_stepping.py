@@ -329,7 +329,7 @@ def test_wrong_calls_are_told():
         (lambda: run.get("tip"), "there is no output 'tip'"),
         (lambda: run.advance(-1.0), "a communication step of -1.0 s"),
         (lambda: run.advance_to(0.0), "later than the present one, 0 s"),
-        (lambda: run.advance(1e-300), "a communication step of 1e-300 s; accepted is one of at least 1e-20 of the integrator's"),
+        (lambda: run.advance(1e-300), "a communication step of 1e-300 s; accepted is one of 1e-30 s or more"),
         (lambda: run.restore(b"[1]"), "no saved state"),
         (lambda: run.restore(b"\xff"), "no saved state"),
         (lambda: run.restore(lm.Stepping(pendulum(), STEPS).save()), "another system"),
