@@ -123,6 +123,41 @@ def test_modes_with_multipliers_lie_on_the_constraint():
     assert np.abs(upward).max() < 1e-9 * np.abs(modes.shapes).max()
 
 
+def constrained_eigenvalues(model, state):
+    """omega^2 of (K - omega^2 M) phi + J^T mu = 0, J phi = 0, from dense matrices, by size."""
+    equations = Equations(model, symmetric=False)
+    point = equations.point_of(state, state.t)
+    point.at_rest, point.factor = True, 1.0
+    _, _, k, j = equations.linearise(point, STATIC)
+    pattern = equations.matrix.pattern
+    K, M, J = (x.toarray() for x in (pattern.matrix(k), pattern.matrix(equations.matrix.mass), pattern.jacobian(j)))
+    Z = equations.magnitude[:, None] * linalg.null_space(J * equations.magnitude)
+    values = linalg.eigvals(Z.T @ K @ Z, Z.T @ M @ Z)
+    return values[np.argsort(np.abs(values))]
+
+
+@pytest.mark.parametrize("load", ["body"])
+def test_modes_about_a_loaded_point_of_a_plate(load):
+    """The axes at the point have neither mass nor stiffness."""
+    system, plate = lm.System(), lm.Plate("plate", (1.0, 0.8), (2, 2), SECTION)
+    system.add(plate)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    tip = plate.marker("tip", 1.0, 0.3)
+    if load == "body":
+        bob = system.add(lm.RigidBody("bob", mass=3.0, inertia=(0.2, 0.1, 0.1), position=(1.0, 0.3, 0.0)))
+        system.add(lm.FixedJoint("bolt", tip, bob.origin))
+    elif load == "follower":
+        system.add(lm.PointForce("load", tip, (0.0, 0.0, 2000.0), follower=True))
+    else:
+        system.add(lm.PointMoment("load", tip, (300.0, -700.0, 500.0), follower=True))
+    model = system.compile()
+    still = lm.equilibrium(model).final
+    expected = constrained_eigenvalues(model, still)[:4]
+    assert not expected.imag.any()
+    modes = lm.modes(model, 4, state=None if load == "body" else still)  # the body alone has its equilibrium there
+    np.testing.assert_allclose((2 * np.pi * modes.frequencies) ** 2, expected.real, rtol=1e-6)
+
+
 def test_rigid_bodies_alone_have_zero_modes():
     """Nothing is elastic there, so that no frequency sets the scale."""
     system = lm.System()

@@ -63,7 +63,7 @@ def lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int
     """
     scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
     K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
-    count, typical = min(n + RIGID_MODES, len(magnitude) - len(J.indptr)), _typical(K, M)
+    count, typical = min(n + RIGID_MODES, len(magnitude) - len(J.indptr)), _typical(K, M, J)
     values, vectors = _nearest(K, M, J, count, -1e-3 * typical)
     largest = np.abs(values).max()
     if np.abs(values).min() < 1e-6 * largest and largest > ROUNDING * typical:
@@ -81,18 +81,19 @@ def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: i
     return np.asarray(values), np.asarray(vectors)
 
 
-def _typical(K: sparse.csc_array, M: sparse.csc_array) -> float:
+def _typical(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array) -> float:
     """A squared frequency of the order of the lowest elastic ones, from a few steps of inverse iteration with a rough shift.
 
-    Where nothing is elastic there is none, and 1 serves as well as any other.
+    Where nothing is elastic there is none, and 1 serves as well as any other. The axes of a joint at a point of a plate have
+    neither mass nor stiffness: the constraints hold them.
     """
     if not K.count_nonzero():
         return 1.0
     rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
-    factor = linalg.splu(sparse.csc_matrix(K + rough * M))
+    inverse = ConstrainedInverse(sparse.csc_array(K + rough * M), J)
     x, value = np.random.default_rng(0).standard_normal(len(K.indptr) - 1), 0.0
     for _ in range(4):
-        x = factor.solve(M @ x)
+        x = inverse(M @ x)
         x /= np.sqrt(x @ (M @ x))
         value = float(x @ (K @ x))
     return max(abs(value), rough)
@@ -115,7 +116,7 @@ def gyroscopic(
     scale = sparse.diags_array(magnitude)
     K, G, M = (sparse.csc_array(scale @ matrix @ scale) for matrix in (K, G, M))
     J = sparse.csr_array(J @ scale)
-    unit = np.sqrt(_typical(K, M))  # time is counted in 1 / unit, so that phi and w have one size
+    unit = np.sqrt(_typical(K, M, J))  # time is counted in 1 / unit, so that phi and w have one size
     G, M = sparse.csc_array(unit * G), sparse.csc_array(unit**2 * M)
     shift, n_u = 0.03, len(magnitude)
     inverse = ConstrainedInverse(sparse.csc_array(K + shift * G + shift**2 * M), J)
