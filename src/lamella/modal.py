@@ -15,7 +15,7 @@ from lamella.errors import DeclarationError, ModelError
 from lamella.model import Model
 from lamella.roles import Floats
 from lamella.shapes import Shapes
-from lamella.solve.eigen import gyroscopic, lowest
+from lamella.solve.eigen import Complexes, gyroscopic, lowest, lowest_of_skew, skew
 from lamella.state import State
 from lamella.system import System
 
@@ -28,14 +28,15 @@ class Modes(Shapes):
     """Natural modes K phi = omega^2 M phi about a state, phi^T M phi = 1. Temperatures stay as they are.
 
     In a frame that spins the modes are those of (K + i omega G - omega^2 M) phi = 0, seen from that frame, with the Coriolis
-    force G; a point moves by shape cos(omega t) - quadrature sin(omega t).
+    force G; a point moves by shape cos(omega t) - quadrature sin(omega t). So it does in a flutter, to which loads without a
+    potential may lead, as those that follow the body: omega^2 is complex, and of the two modes one grows and one decays.
 
     Args:
         model: the compiled model.
-        frequencies: ascending [Hz]; an unstable mode has a negative one, -sqrt(-omega^2) / 2 pi, shape (n,).
+        frequencies: ascending [Hz]; an unstable mode has a negative one, -sqrt(|omega^2|) / 2 pi, shape (n,).
         shapes: columns of all coordinates, shape (n_q, n).
         state: coordinates about which the modes are, shape (n_q,).
-        quadrature: the part of the shapes that is a quarter of a period late, shape (n_q, n); None in an inertial frame.
+        quadrature: the part of the shapes that is a quarter of a period late, shape (n_q, n); None where there is none.
     """
 
     title = "Natural modes"
@@ -95,7 +96,10 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
     K, M = (sparse.csc_array(sparse.csr_array(pattern.matrix(x))[own, own]) for x in (k.copy(), equations.matrix.mass))
     J = sparse.csr_array(pattern.jacobian(j.copy())[:, own])
     shapes = np.zeros((equations.n_u, n), complex if model.spin is not None else float)
-    if model.spin is None:
+    if model.spin is None and skew(K, equations.magnitude[own]):
+        shapes = shapes.astype(complex)
+        frequencies, shapes[own] = _of_skew(K, M, J, n, equations.magnitude[own])
+    elif model.spin is None:
         values, shapes[own] = lowest(K, M, J, n, equations.magnitude[own])
         frequencies = np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi)
     else:
@@ -105,8 +109,24 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
         grows = np.abs(roots.real) > GROWING * np.abs(roots)
         frequencies = np.where(grows, -1.0, 1.0) * np.abs(roots) / (2 * np.pi)
     T = equations.elimination.T
-    late = T @ np.imag(shapes) if model.spin is not None else None
+    late = T @ np.imag(shapes) if model.spin is not None or np.imag(shapes).any() else None
     return Modes(model, frequencies, T @ np.real(shapes), equations.coordinates(point), late)
+
+
+def _of_skew(
+    K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats
+) -> tuple[Floats, Complexes]:
+    """Frequencies [Hz], ascending, and shapes where the stiffness is not symmetric.
+
+    Two frequencies that have come together flutter: of omega^2 and its conjugate one root s = i omega grows and one decays.
+    """
+    values, shapes = lowest_of_skew(K, M, J, n, magnitude)
+    flutters = np.abs(values.imag) > 2.0 * GROWING * np.abs(values)
+    unstable = np.where(flutters, values.imag < 0.0, values.real < 0.0)  # s has the shape of its own omega^2, and Im s > 0
+    frequencies = np.where(unstable, -1.0, 1.0) * np.sqrt(np.abs(values)) / (2 * np.pi)
+    shapes = np.where(flutters, shapes, shapes.real)
+    order = np.argsort(frequencies)
+    return frequencies[order], shapes[:, order]
 
 
 def coriolis(model: Model, spin: Floats) -> sparse.csr_array:

@@ -111,6 +111,35 @@ def test_static_and_modal_outputs() -> None:
     assert np.abs(expected[0] / scale[0]).min() > 1e-2  # the deflection depends on all of them
 
 
+def guided(force: float = 6.0, length: float = 0.5, width: float = 0.2) -> lm.System:
+    """A cantilever with loads whose stiffness is not symmetric, at a point that moves with its sizes."""
+    system = lm.System()
+    sheet = lm.Laminate(lm.Isotropic(E=7e10, nu=0.3, rho=2700.0), thickness=2e-3)
+    plate = system.add(lm.Plate("plate", (length, width), (3, 2), sheet))
+    tip = plate.marker("tip", 0.45, 0.06)
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    system.add(lm.PointForce("load", tip, (0.0, 0.0, force), follower=True))
+    system.add(lm.PointMoment("turn", tip, (0.5, -0.2 * force, 0.7), follower=True))
+    return system
+
+
+def test_frequencies_under_loads_without_a_potential() -> None:
+    outputs = {"z": lm.SignalOutput("tip.position", component="z"), "first": lm.ShapeOutput(1), "third": lm.ShapeOutput(3)}
+    at = {"force": 6.0, "length": 0.5, "width": 0.2}
+    analyses = (lm.Statics("still", newton=TIGHT), lm.NaturalModes("bent", count=3, about="still"))
+    found = lm.gradient(guided, at, outputs, analyses=analyses)
+
+    def values(**parameters: float) -> Floats:
+        system = guided(**parameters)
+        still = lm.equilibrium(system, newton=TIGHT)
+        frequencies = lm.modes(system, 3, state=still.final).frequencies
+        return np.array([still["tip.position"].values[2], frequencies[0], frequencies[2]])
+
+    expected, base = differences(values, at), values(**at)
+    scale = np.abs(base)[:, None] / np.array(list(at.values()))
+    np.testing.assert_array_less(np.abs(found.matrix - expected) / scale, CLOSE)
+
+
 def test_motion_of_a_mechanism() -> None:
     method = lm.GeneralizedAlpha(dt=2e-3, rho_inf=0.8, newton=lm.Newton(tolerance=1e-12, keep=0.0, max_iterations=50))
     outputs = {

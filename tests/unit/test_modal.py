@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import linalg
+from scipy import linalg, optimize
 
 import lamella as lm
 from lamella.assembly.equations import Equations
@@ -136,9 +136,9 @@ def constrained_eigenvalues(model, state):
     return values[np.argsort(np.abs(values))]
 
 
-@pytest.mark.parametrize("load", ["body"])
+@pytest.mark.parametrize("load", ["body", "follower", "moment"])
 def test_modes_about_a_loaded_point_of_a_plate(load):
-    """The axes at the point have neither mass nor stiffness."""
+    """The axes at the point have neither mass nor stiffness; the stiffness of the loads is not symmetric."""
     system, plate = lm.System(), lm.Plate("plate", (1.0, 0.8), (2, 2), SECTION)
     system.add(plate)
     system.add(lm.Clamp("root", plate.edge("x-")))
@@ -156,6 +156,35 @@ def test_modes_about_a_loaded_point_of_a_plate(load):
     assert not expected.imag.any()
     modes = lm.modes(model, 4, state=None if load == "body" else still)  # the body alone has its equilibrium there
     np.testing.assert_allclose((2 * np.pi * modes.frequencies) ** 2, expected.real, rtol=1e-6)
+
+
+@pytest.mark.parametrize("load", [10.0, 19.5, 20.6])
+def test_column_under_a_force_that_follows_its_end_flutters(load):
+    """Two frequencies come together at P = 20.05 EI/L^2 (Beck 1952); below, with a^2 and b^2 = sqrt(p^2/4 + w^2) +- p/2,
+
+    p^2 + 2 w^2 + p w sinh b sin a + 2 w^2 cosh b cos a = 0.
+    """
+    system, plate = lm.System(), lm.Plate("column", (L, B), (8, 1), STRIP)
+    system.add(plate)
+    system.add(lm.Clamp("root", plate.edge("x-"), kind="restrained"))
+    bending = E * B * H**3 / 12
+    system.add(lm.PointForce("load", plate.marker("end", L, 0.5 * B), (-load * bending / L**2, 0.0, 0.0), follower=True))
+    modes = lm.modes(system, 2, state=lm.equilibrium(system).final)
+
+    def equation(w):
+        a, b = (np.sqrt(np.sqrt(load**2 / 4 + w**2) + sign * load / 2) for sign in (1.0, -1.0))
+        return load**2 + 2 * w**2 + load * w * np.sinh(b) * np.sin(a) + 2 * w**2 * np.cosh(b) * np.cos(a)
+
+    found = 2 * np.pi * modes.frequencies * np.sqrt(RHO * H * B / bending) * L**2
+    if load > 20.05:
+        assert found[0] == pytest.approx(-found[1], rel=1e-6)  # one grows, one decays
+        assert found[1] == pytest.approx(11.0, rel=0.05)
+        assert np.abs(modes.quadrature).max() > 1e-3 * np.abs(modes.shapes).max()
+    else:
+        places = np.linspace(1.0, 30.0, 3000)
+        change = np.flatnonzero(np.diff(np.sign(equation(places))))
+        np.testing.assert_allclose(found, [optimize.brentq(equation, *places[[k, k + 1]]) for k in change[:2]], rtol=5e-3)
+        assert modes.quadrature is None
 
 
 def test_rigid_bodies_alone_have_zero_modes():

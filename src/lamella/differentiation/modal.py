@@ -15,6 +15,7 @@ from lamella.errors import DeclarationError, ModelError
 from lamella.modal import Modes, modes
 from lamella.model import Model
 from lamella.roles import Floats
+from lamella.solve.eigen import left_shape, skew
 from lamella.state import State
 
 REPEATED = 1e-5
@@ -34,11 +35,11 @@ def frequency_derivatives(
 ) -> Floats:
     """Derivatives of natural frequencies [Hz] by each parameter, shape (n_number, n_parameter).
 
-    With (K - w2 M) phi + J^T mu = 0, J phi = 0 and phi^T M phi = 1
+    With (K - w2 M) phi + J^T mu = 0, J phi = 0, the same of K^T with psi and nu, and psi^T M phi = 1
 
-        dw2/dp = phi^T (dK/dp - w2 dM/dp) phi + 2 mu^T (dJ/dp) phi,        df = dw2 / (8 pi^2 |f|)
+        dw2/dp = psi^T (dK/dp - w2 dM/dp) phi + nu^T (dJ/dp) phi + mu^T (dJ/dp) psi,        df = dw2 / (8 pi^2 |f|)
 
-    (Fox and Kapoor 1968, with constraints) and dK along the change of the state.
+    (Fox and Kapoor 1968, with constraints) and dK along the change of the state. Where K is symmetric psi is phi.
 
     Args:
         equations: of the model.
@@ -49,26 +50,28 @@ def frequency_derivatives(
         derivatives: of the state by each parameter; None for the reference configuration.
 
     Raises:
-        DeclarationError: a frequency is zero or repeated, so that it has no derivative.
+        DeclarationError: a frequency is zero or repeated, so that it has no derivative, or is that of a flutter.
     """
     for number in numbers:
-        _refuse_repeated(found.frequencies, number)
+        _refuse_repeated(found, number)
     chosen = equations.elimination.independent[: equations.n_motion]
     point = _point(equations, state)
     reference = None if state is None else point
     K, M, J = _matrices(equations, point)
-    shapes = found.shapes[chosen]
+    shapes, magnitude = found.shapes[chosen], equations.magnitude[: equations.n_motion]
+    one_sided = skew(sparse.csc_array(K), magnitude)
     rows = []
     for number in numbers:
         f, phi = float(found.frequencies[number - 1]), shapes[:, number - 1]
-        phi = phi / np.sqrt(phi @ (M @ phi))
         w2 = np.sign(f) * (2.0 * np.pi * f) ** 2
-        left = K @ phi - w2 * (M @ phi)
-        mu = -np.linalg.lstsq(J.T.toarray(), left, rcond=None)[0] if equations.n_lam else np.zeros(0)
+        psi = left_shape(sparse.csc_array(K), sparse.csc_array(M), J, w2, magnitude) if one_sided else phi
+        psi = psi / (psi @ (M @ phi))
+        left = np.stack([K @ phi - w2 * (M @ phi), K.T @ psi - w2 * (M @ psi)], axis=1)
+        mu, nu = -np.linalg.lstsq(J.T.toarray(), left, rcond=None)[0].T if equations.n_lam else np.zeros((2, 0))
 
         def form(there: Equations, at: Point) -> Floats:
             K, M, J = _matrices(there, at)
-            return np.array([phi @ (K @ phi) - w2 * (phi @ (M @ phi)) + 2.0 * (mu @ (J @ phi))])  # noqa: B023
+            return np.array([psi @ (K @ phi - w2 * (M @ phi)) + nu @ (J @ phi) + mu @ (J @ psi)])  # noqa: B023
 
         changes = [
             float(each.difference(lambda side: form(side.equations, reference or _point(side.equations, None)))[0])
@@ -95,12 +98,15 @@ def enough_modes(model: Model, equations: Equations, count: int, state: State | 
     return modes(model, min(count + 1, equations.mobility - 1), state=state)
 
 
-def _refuse_repeated(frequencies: Floats, number: int) -> None:
+def _refuse_repeated(found: Modes, number: int) -> None:
+    frequencies = found.frequencies
     values = np.sign(frequencies) * frequencies**2
     own, others = values[number - 1], np.delete(values, number - 1)
     item = f"natural frequency {number}, {frequencies[number - 1]:.6g} Hz,"
     if abs(own) <= RIGID * np.abs(values).max():
         raise DeclarationError("gradient", f"{item} is that of a rigid body: it is zero and has no derivative")
+    if found.quadrature is not None and found.quadrature[:, number - 1].any():
+        raise DeclarationError("gradient", f"{item} is that of a flutter", "accepted is one whose shape swings in phase")
     apart = np.abs(others - own) / np.maximum(np.abs(others), abs(own))
     if len(apart) and apart.min() < REPEATED:
         twin = frequencies[np.argsort(np.abs(values - own))[1]]

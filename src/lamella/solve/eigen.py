@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,10 @@ RIGID_ROOT = 1e-3
 """Roots below this share of a low elastic one are those of rigid motions, zero but for rounding."""
 SEARCHED = 1e-12
 """Tolerance of the roots that are corrected afterwards; one by rounding alone, the default, is not always met."""
+SKEW = 1e-13
+"""Skew part of a stiffness, as a share of its largest entry, that is rounding."""
+BESIDE = 1e-6
+"""Distance from an eigenvalue, as a share of it, at which its shape is iterated."""
 CORRECTIONS = 8
 """Corrections of a root at most; the number of right digits doubles with each."""
 ROUNDING = 1e-11
@@ -55,19 +60,64 @@ class ConstrainedInverse:
         return self._factor.solve(np.concatenate([np.ravel(y), np.zeros(self._n_lam)]))[: self._n]
 
 
+def skew(K: sparse.csc_array, magnitude: Floats) -> bool:
+    """Whether a stiffness has a skew part beyond rounding, as that of loads without a potential."""
+    scale = sparse.diags_array(magnitude)
+    scaled = sparse.csc_array(scale @ K @ scale)
+    return bool(abs(scaled - scaled.T).max() > SKEW * abs(scaled).max())
+
+
 def lowest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats) -> tuple[Floats, Floats]:
     """Eigenvalues nearest to a small negative shift, so that rigid-body modes and slightly unstable ones are found too.
 
     A body that can move freely has eigenvalues of zero, from which no shift can be derived; close to them the matrix is all but
     singular and the elastic modes drown in rounding. They are then computed again with a shift of the elastic modes' order.
     """
+    return _lowest(_nearest, K, M, J, n, magnitude)
+
+
+def lowest_of_skew(
+    K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, magnitude: Floats
+) -> tuple[Complexes, Complexes]:
+    """The same of a stiffness that is not symmetric: eigenvalues by their real part, those of a flutter in complex pairs.
+
+    Returns:
+        Eigenvalues, and shapes with phi^H M phi = 1 whose real part is largest, columns, shape (n_u, n).
+    """
+    values, shapes = _lowest(_nearest_of_skew, K, M, J, n, magnitude)
+    for k in range(n):
+        shapes[:, k] /= np.sqrt(float(np.real(shapes[:, k].conj() @ (M @ shapes[:, k]))))
+        shapes[:, k] *= np.exp(-0.5j * np.angle(np.sum(shapes[:, k] ** 2)))
+    return np.asarray(values, complex), np.asarray(shapes, complex)
+
+
+def left_shape(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, value: float, magnitude: Floats) -> Floats:
+    """psi with (K^T - value M) psi + J^T mu = 0, J psi = 0 at a simple eigenvalue, by inverse iteration."""
+    scale = sparse.diags_array(magnitude)
+    K, M, J = sparse.csc_array(scale @ K.T @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
+    inverse = ConstrainedInverse(sparse.csc_array(K - (1.0 - BESIDE) * value * M), J)
+    psi = np.random.default_rng(0).standard_normal(len(magnitude))
+    for _ in range(4):
+        psi = inverse(M @ psi)
+        psi /= np.sqrt(psi @ (M @ psi))
+    return np.asarray(scale @ psi)
+
+
+def _lowest(
+    nearest: Callable[..., tuple[Any, Any]],
+    K: sparse.csc_array,
+    M: sparse.csc_array,
+    J: sparse.csr_array,
+    n: int,
+    magnitude: Floats,
+) -> tuple[Any, Any]:
     scale = sparse.diags_array(magnitude)  # positions, slopes and twists differ by orders of magnitude
     K, M, J = sparse.csc_array(scale @ K @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
     count, typical = min(n + RIGID_MODES, len(magnitude) - len(J.indptr)), _typical(K, M, J)
-    values, vectors = _nearest(K, M, J, count, -1e-3 * typical)
+    values, vectors = nearest(K, M, J, count, -1e-3 * typical)
     largest = np.abs(values).max()
     if np.abs(values).min() < 1e-6 * largest and largest > ROUNDING * typical:
-        values, vectors = _nearest(K, M, J, count, -0.1 * largest)
+        values, vectors = nearest(K, M, J, count, -0.1 * largest)
     chosen = np.argsort(values)[:n]
     return values[chosen], scale @ vectors[:, chosen]
 
@@ -79,6 +129,20 @@ def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: i
     start = inverse(M @ np.ones(n_u))
     values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
     return np.asarray(values), np.asarray(vectors)
+
+
+def _nearest_of_skew(
+    K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: int, shift: float
+) -> tuple[Complexes, Complexes]:
+    """The same of a stiffness that is not symmetric."""
+    n_u, inverse = len(M.indptr) - 1, ConstrainedInverse(sparse.csc_array(K - shift * M), J)
+    if n > n_u - 2:  # as many as ARPACK does not find
+        found: Any = np.linalg.eig(np.stack([inverse(column) for column in M.toarray().T], axis=1))
+    else:
+        operator: Any = linalg.LinearOperator((n_u, n_u), matvec=lambda x: inverse(M @ np.ravel(x)), dtype=float)  # pyright: ignore[reportCallIssue]
+        found = linalg.eigs(operator, n, which="LM", v0=inverse(M @ np.ones(n_u)), tol=SEARCHED)  # pyright: ignore[reportArgumentType]
+    largest = np.argsort(-np.abs(found[0]))[:n]
+    return np.asarray(shift + 1.0 / found[0][largest], complex), np.asarray(found[1][:, largest], complex)
 
 
 def _typical(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array) -> float:
