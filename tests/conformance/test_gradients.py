@@ -116,7 +116,7 @@ def guided(force: float = 6.0, length: float = 0.5, width: float = 0.2) -> lm.Sy
     system = lm.System()
     sheet = lm.Laminate(lm.Isotropic(E=7e10, nu=0.3, rho=2700.0), thickness=2e-3)
     plate = system.add(lm.Plate("plate", (length, width), (3, 2), sheet))
-    tip = plate.marker("tip", 0.45, 0.06)
+    tip = plate.marker("tip", 0.9 * length, 0.3 * width)
     system.add(lm.Clamp("root", plate.edge("x-")))
     system.add(lm.PointForce("load", tip, (0.0, 0.0, force), follower=True))
     system.add(lm.PointMoment("turn", tip, (0.5, -0.2 * force, 0.7), follower=True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +26,8 @@ by 1e-10 of that."""
 CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
 FOURTH = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
 """Places in steps and weights of the differences."""
+PLACE = re.compile(r" at \(?[-+.e\d, ]+\)? m")
+"""Where something is, in the label of a constraint: a parameter may move it."""
 
 
 @dataclass(frozen=True)
@@ -132,4 +135,5 @@ def _equations(name: str, base: Equations, model: Model) -> Equations:
 
 def _same_form(found: Equations, base: Equations) -> bool:
     same = np.array_equal(found.elimination.independent, base.elimination.independent)
-    return same and found.constraints.labels == base.constraints.labels and found.elimination.kept == base.elimination.kept
+    labels = [[PLACE.sub("", label) for label in equations.constraints.labels] for equations in (found, base)]
+    return same and labels[0] == labels[1] and found.elimination.kept == base.elimination.kept
