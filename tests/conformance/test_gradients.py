@@ -216,6 +216,9 @@ def test_motion_of_a_damped_plate(damping: float, monkeypatch: pytest.MonkeyPatc
         "z": lm.SignalOutput("tip.position", component="z"),
         "x": lm.SignalOutput("tip.position", component="x", statistic="mean"),
         "root": lm.SignalOutput("root.torque", component="y", statistic="rms"),
+        "sinking": lm.SignalOutput("tip.position", component="z", statistic="slope", end=0.02),
+        "fastest": lm.SignalOutput("tip.velocity", component="norm", statistic="max"),
+        "speed": lm.SignalOutput("tip.velocity", component="norm", statistic="rms"),  # which begins at rest
     }
     at = {"E": 7e10, "damping": damping, "length": 0.5}
     found = lm.gradient(damped, at, outputs, analyses=swing)
@@ -395,12 +398,27 @@ def test_what_is_not_differentiated_is_refused() -> None:
     ):
         with pytest.raises(DeclarationError, match=said):
             lm.gradient(panel, {"force": -20.0}, {"x": output}, analyses=still)
+    swing = (lm.Motion("swing", 0.01, lm.GeneralizedAlpha(1e-3)),)
+    for output, said in (
+        (lm.SignalOutput("load.factor", statistic="std"), "std of a signal that does not vary"),
+        (lm.SignalOutput("corner.position", component="y", statistic="std"), "std of a signal that does not vary"),
+        (lm.SignalOutput("tip.velocity", component="norm", statistic="mean"), "length of a vector that vanishes"),
+        (lm.SignalOutput("tip.velocity", component="norm", statistic="min"), "length of a vector that vanishes"),
+    ):
+        with pytest.raises(DeclarationError, match=said):
+            lm.gradient(_held, {"force": -20.0}, {"x": output}, analyses=swing)
     with pytest.raises(DeclarationError, match="generalized_alpha"):
         lm.gradient(panel, {"force": -20.0}, tip, analyses=(lm.Motion("swing", 0.1, lm.BDF(1e-3)),))
     with pytest.raises(DeclarationError, match="moves a time at which a load"):
         lm.gradient(_late, {"late": 0.02}, tip, analyses=(lm.Motion("swing", 0.1, lm.GeneralizedAlpha(1e-3)),))
     with pytest.raises(DeclarationError, match="number of unknowns"):
         lm.gradient(_meshed, {"elements": 2.0}, tip, analyses=still, sizes={"elements": 1e5})
+
+
+def _held(force: float) -> lm.System:
+    system = panel(force=force)
+    system.declarations[0].marker("corner", 0.0, 0.2)  # type: ignore[attr-defined]
+    return system
 
 
 def _late(late: float) -> lm.System:

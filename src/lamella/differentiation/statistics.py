@@ -6,8 +6,11 @@ import numpy as np
 
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
-from lamella.study.measures import time_average
+from lamella.study.measures import least_squares_slope, time_average
 from lamella.sweep.outputs import NORM, SignalOutput
+
+ROUNDING = 1e-12
+"""Scatter of a signal, as a share of its largest value, that is rounding."""
 
 
 def statistic_derivative(
@@ -27,16 +30,17 @@ def statistic_derivative(
     """
     if output.component == NORM:
         z = np.linalg.norm(values, axis=1)
-        if (not z.all() and output.statistic != "last") or not z[-1]:
-            raise _refused(output, "the length of a vector that vanishes")
-        dz = np.einsum("nc,npc->np", values, derivatives) / np.where(z, z, 1.0)[:, None]
+        dz = np.einsum("nc,npc->np", values, derivatives) / np.where(z, z, np.nan)[:, None]  # none where it vanishes
     else:
         k = labels.index(output.component) if output.component is not None else 0
         z, dz = values[:, k], derivatives[:, :, k]
     columns = [output.within(at, dz[:, p])[1] for p in range(dz.shape[1])]
     times, z = output.within(at, z)
     dz = np.array(columns).reshape(dz.shape[1], -1)
-    return np.array([_derivative(output, times, z, column) for column in dz])
+    found = np.array([_derivative(output, times, z, column) for column in dz])
+    if np.isnan(found).any():
+        raise _refused(output, "the length of a vector that vanishes")
+    return found
 
 
 def _derivative(output: SignalOutput, t: Floats, z: Floats, dz: Floats) -> float:
@@ -45,12 +49,15 @@ def _derivative(output: SignalOutput, t: Floats, z: Floats, dz: Floats) -> float
         return float(dz[-1])
     if kind == "mean":
         return time_average(t, dz)
+    if kind == "slope":
+        return least_squares_slope(t, dz)
     if kind in ("rms", "std"):
         centre = time_average(t, z) if kind == "std" else 0.0
         size = float(np.sqrt(time_average(t, (z - centre) ** 2)))
-        if size == 0.0:
+        if size <= ROUNDING * np.abs(z).max():
             raise _refused(output, f"{kind} of a signal that does not vary")
-        return time_average(t, (z - centre) * dz) / size
+        product = (z - centre) * dz
+        return time_average(t, np.where(z, product, 0.0) if kind == "rms" else product) / size  # z^2 is smooth at zero
     height = {"max": z, "min": -z, "largest": np.abs(z)}[kind]
     top = np.flatnonzero(height == height.max())
     signs = np.sign(z[top]) if kind == "largest" else np.ones(len(top))
