@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+NOT_IN_FILES = re.compile(r"[^\w .,+=()-]")
+"""What a name may have and that of a file should not."""
+LONGEST = 80
+"""Letters of a name in that of a file."""
+
+
 def study_figures(result: StudyResult) -> dict[str, tuple[Figure, str]]:
     """The pictures that suit a design, by file name, each with its caption; none when no run gave anything."""
     names = list(result.parameters)
@@ -25,7 +32,13 @@ def study_figures(result: StudyResult) -> dict[str, tuple[Figure, str]]:
     if len(names) == 1:
         return {"outputs": (line_figure(result), f"Outputs over {names[0]}")}
     if len(names) == 2 and isinstance(result.study.design, GridDesign):
-        return {f"map-{name}": (map_figure(result, name), f"{name} over {names[0]} and {names[1]}") for name in result.units}
+        figures: dict[str, tuple[Figure, str]] = {}
+        for name in result.units:
+            file = f"map-{NOT_IN_FILES.sub('_', name)[:LONGEST]}"
+            while file in figures:
+                file += "_"
+            figures[file] = map_figure(result, name), f"{name} over {names[0]} and {names[1]}"
+        return figures
     return {"outputs": (matrix_figure(result), "Each output over each parameter, a point for each run")}
 
 
