@@ -97,6 +97,7 @@ def test_the_lightest_strip_is_that_of_beam_theory(
         ("objective", "method: l-bfgs-b\nobjective", "knows no constraints"),
         ("optimize: 1\n", "", "'optimize: 1' is missing"),
         ("{kind: mass}", "{kind: mass, body: stirp}", "there is no body 'stirp' with mass; did you mean"),
+        ("outputs:", "outputs:\n  mass [kg]: {signal: load.factor}", "outputs.mass: the table has a column 'mass [kg]' already"),
         ("parameters:\n  thickness", "parameters:\n  seconds", "the table has a column 'seconds' of its own"),
     ],
 )

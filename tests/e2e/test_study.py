@@ -138,6 +138,18 @@ def test_other_designs_have_their_pictures_and_sensitivities(study: Path, tmp_pa
     assert "outputs.png" in {path.name for path in one.files}
 
 
+def test_names_of_outputs_need_not_be_names_of_files(study: Path, tmp_path: Path, inline: list[int]) -> None:
+    names = ("sag / load", "sag ? load", "../../sag", "s" * 300)
+    output = lm.SignalOutput("tip.position", component="z")
+    thickness = lm.Parameter("system.strip.laminate.thickness", values=("1 mm", "3 mm"))
+    load = lm.Parameter("system.load.force[2]", values=(-0.2, -0.1))
+    given = {"thickness": thickness, "load": load}, lm.GridDesign(), dict.fromkeys(names, output)
+    result = lm.run_parameter_study(lm.ParameterStudy(str(tmp_path / "strip.yaml"), *given), tmp_path / "out")
+    pictures = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
+    assert pictures == {"map-sag _ load.png", "map-sag _ load_.png", "map-.._.._sag.png", f"map-{'s' * 80}.png"}
+    assert pictures <= {path.name for path in result.files}
+
+
 def test_failed_runs_are_kept_apart(here: Command, study: Path, tmp_path: Path, inline: list[int]) -> None:
     study.write_text(STUDY.replace("values: [-0.1 N, -0.2 N]", "values: [-0.1 N, many, -1e9 N]"))
     done = here("study", study, "--out", "out")
@@ -252,6 +264,13 @@ def test_the_folder_of_a_run_is_left_alone(here: Command, study: Path, tmp_path:
         ("strip.yaml", "stripe.yaml", "line 3, model: the model file 'stripe.yaml' does not exist"),
         ("title: Strip", "title: [1]", "line 2, title"),
         ("  deflection:", "  message:", "line 8, outputs: the table has a column 'message' of its own; accepted is another name"),
+        (
+            "  deflection:",
+            "  deflection [m]: {signal: load.factor}\n  deflection:",
+            "line 10, outputs.deflection: the table has a column 'deflection [m]' already; accepted is another name",
+        ),
+        ("system.strip.laminate.thickness", "'..'", '--set ..="1.0 mm": accepted is key=value'),
+        ("strip.yaml", "s" * 5000, "is neither a model file nor an example"),
         ("  thickness:", "  run:", "line 4, parameters: the table has a column 'run' of its own"),
         (
             "  deflection:",

@@ -21,6 +21,7 @@ from lamella.study.folder import open_folder
 from lamella.study.interruption import Interruption
 from lamella.study.run import Say, run_model, silent
 from lamella.sweep.outputs import recorded
+from lamella.sweep.parameter import label_of, label_twice
 from lamella.sweep.table import write_tables
 from lamella.whole import write_text
 
@@ -67,7 +68,7 @@ class OptimisationResult:
     def label(self, name: str) -> str:
         """A name with its unit in brackets, where it has one."""
         unit = self.units[name] if name in self.units else self.problem.units[name]
-        return f"{name} [{unit}]" if unit not in ("", "1") else name
+        return label_of(name, unit)
 
     def columns(self) -> dict[str, list[object]]:
         """The table of designs, column by column."""
@@ -170,6 +171,10 @@ def _checked(source: OptimisationFile, family: FileFamily) -> dict[str, str]:
             text = error.problem.removeprefix(f"{key}: ") if hasattr(output, key) else str(error).removeprefix("output: ")
             accepted = f"; {error.accepted}" if error.accepted and hasattr(output, key) else ""
             raise source.refused(where, text + accepted) from error
+    if twice := label_twice(problem.units, units):
+        name, head = twice
+        place = ("outputs" if name in units else "parameters", name)
+        raise source.refused(place, f"the table has a column '{head}' already; accepted is another name")
     return units
 
 

@@ -80,8 +80,8 @@ class ListDesign(Design):
             if set(row) != set(parameters):
                 given, wanted = ", ".join(row) or "none", ", ".join(parameters)
                 raise ValueError(f"runs[{number}] gives {given}; accepted is a value for each of {wanted}")
-            for value in row.values():
-                check_value(value)
+            for name, value in row.items():
+                check_value(value, f"runs[{number}]: {name}")
         return [{name: row[name] for name in parameters} for row in self.runs]
 
 

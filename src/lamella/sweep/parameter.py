@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -45,8 +46,13 @@ class Parameter:
 
     def __post_init__(self) -> None:
         """Refuse values beside a range, no path, and a range that is none."""
-        if not all(path.strip() for path in self.factors) or not self.factors:
+        if not all(self.factors) or not self.factors:
             raise ValueError("path is empty; accepted is the path of a value of the model file, such as system.plate.mesh")
+        for path, factor in self.factors.items():
+            if "=" in path:
+                raise ValueError(f"path = {path}; accepted is the path of a value, without '='")
+            if not math.isfinite(factor):
+                raise ValueError(f"path: the factor of {path} is {factor}; accepted is a finite number")
         if self.values is not None and (self.range is not None or self.count is not None):
             raise ValueError("values and range are both given; accepted is one of them")
         if self.values is not None and not self.values:
@@ -55,6 +61,8 @@ class Parameter:
             check_value(value)
         if self.range is not None:
             low, high, _ = self.bounds
+            if not math.isfinite(high - low):
+                raise ValueError(f"range = {list(self.range)}; accepted are finite numbers")
             if not low < high:
                 raise ValueError(f"range = {list(self.range)}; accepted is a lower value before a higher one")
             if self.scale == "log" and low <= 0.0:
@@ -64,8 +72,8 @@ class Parameter:
     def factors(self) -> dict[str, float]:
         """The paths, each with its factor."""
         if isinstance(self.path, dict):
-            return self.path
-        return dict.fromkeys((self.path,) if isinstance(self.path, str) else self.path, 1.0)
+            return {path.strip(): factor for path, factor in self.path.items()}
+        return dict.fromkeys(map(str.strip, (self.path,) if isinstance(self.path, str) else self.path), 1.0)
 
     @property
     def bounds(self) -> tuple[float, float, str]:
@@ -112,13 +120,11 @@ class Parameter:
 
     def settings(self, value: Any) -> list[str]:
         """The ``key=value`` texts that give the model a value."""
-        return [
-            f"{path.strip()}={json.dumps(_times(value, factor), ensure_ascii=False)}" for path, factor in self.factors.items()
-        ]
+        return [f"{path}={json.dumps(_times(value, factor), ensure_ascii=False)}" for path, factor in self.factors.items()]
 
 
-def check_value(value: Any) -> None:
-    """Refuse what a model file cannot hold.
+def check_value(value: Any, item: str = "values") -> None:
+    """Refuse what a model file cannot hold; the message begins with ``item``.
 
     Raises:
         ValueError: it is no number, text, truth value or list of such.
@@ -127,7 +133,7 @@ def check_value(value: Any) -> None:
         json.dumps(value, allow_nan=False)
     except (TypeError, ValueError) as error:
         raise ValueError(
-            f"values: {value!r} of type {type(value).__name__}; accepted are numbers, text, true, false, lists"
+            f"{item}: {value!r} of type {type(value).__name__}; accepted are numbers, text, true, false, lists"
         ) from error
 
 
@@ -162,8 +168,22 @@ def check_names(parameters: Collection[str], outputs: Collection[str], columns: 
     if twice := {*parameters} & {*outputs}:
         raise ValueError(f"outputs and parameters are both called {', '.join(sorted(twice))}; accepted are different names")
     for kind, names in (("parameters", parameters), ("outputs", outputs)):
+        if not all(name.strip() for name in names):
+            raise ValueError(f"{kind}: a name is empty; accepted is one that heads a column of the table")
         if taken := [name for name in names if name in columns]:
             raise ValueError(f"{kind}: the table has a column '{taken[0]}' of its own; accepted is another name")
+
+
+def label_of(name: str, unit: str) -> str:
+    """The head of a column: a name with its unit in brackets, where it has one."""
+    return f"{name} [{unit}]" if unit not in ("", "1") else name
+
+
+def label_twice(parameters: Mapping[str, str], outputs: Mapping[str, str]) -> tuple[str, str] | None:
+    """The first parameter or output whose column has the head of another, with that head; from the unit of each."""
+    labels = [(name, label_of(name, unit)) for units in (parameters, outputs) for name, unit in units.items()]
+    heads = [head for _, head in labels]
+    return next((pair for k, pair in enumerate(labels) if pair[1] in heads[:k]), None)
 
 
 def columns_of(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[str, tuple[str, list[Any]]]:

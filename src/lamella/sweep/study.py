@@ -18,7 +18,7 @@ from lamella.io.model_file import ModelFile, loads
 from lamella.sweep.designs import Design, Row, design_rows
 from lamella.sweep.file import read_declaration
 from lamella.sweep.outputs import StudyOutput, recorded
-from lamella.sweep.parameter import Parameter, check_names
+from lamella.sweep.parameter import Parameter, check_names, columns_of, label_twice
 
 TRIED = 10
 """Runs whose model is read before anything is run, until one can be."""
@@ -141,6 +141,11 @@ class StudyFile:
                 key = error.problem.partition(":")[0]
                 place: tuple[str, ...] = ("outputs", name, *([key] if hasattr(output, key) else []))
                 raise self.refused(place, error.problem.removeprefix(f"{key}: ") + _accepted(error)) from error
+        of_parameters = {name: unit for name, (unit, _) in columns_of(study.rows(), list(study.parameters)).items()}
+        if twice := label_twice(of_parameters, units):
+            name, head = twice
+            place = ("outputs" if name in units else "parameters", name)
+            raise self.refused(place, f"the table has a column '{head}' already; accepted is another name")
         return Checked(study, document.text, path, base, units, self.document.text if self.document else "")
 
     def _read(self, document: Document, settings: tuple[str, ...]) -> ModelFile:

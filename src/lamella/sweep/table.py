@@ -14,7 +14,7 @@ import numpy as np
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
 from lamella.study.outputs import write_rows
-from lamella.sweep.parameter import columns_of
+from lamella.sweep.parameter import columns_of, label_of
 from lamella.sweep.study import ParameterStudy
 from lamella.sweep.task import Row
 from lamella.whole import replaced
@@ -64,7 +64,7 @@ class StudyResult:
     def label(self, name: str) -> str:
         """A name with its unit in brackets, where it has one."""
         unit = self.units[name] if name in self.units else self.parameters[name][0]
-        return f"{name} [{unit}]" if unit not in ("", "1") else name
+        return label_of(name, unit)
 
     def columns(self) -> dict[str, list[object]]:
         """The table, column by column."""
