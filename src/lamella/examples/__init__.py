@@ -13,6 +13,7 @@ Folder names have ``_`` where the example's name has ``-``; folders that begin w
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import shutil
 from collections.abc import Callable, Iterable
@@ -99,7 +100,7 @@ def find_model(name: str) -> Path | Example:
         ModelFileError: there is neither.
     """
     path = Path(name)
-    if path.exists():
+    if os.path.exists(path):  # no error for a name that no file can have
         return path
     if name.replace("_", "-") in examples():
         return example(name)

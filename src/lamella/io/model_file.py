@@ -138,7 +138,7 @@ def apply_override(document: Document, override: str) -> None:
         ModelFileError: it has no ``=``, its value is not YAML, or it leads through something that has no such key.
     """
     path, sign, text = override.partition("=")
-    if not sign or not path.strip():
+    if not sign or not path.strip(" .[]"):
         raise ModelFileError(f"--set {override}: accepted is key=value, for example system.plate.mesh=[8,8]")
     try:
         value = plain_value(text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -42,7 +43,7 @@ def read_declaration(path: str | Path, kind: type[Declared], key: str) -> tuple[
     document.check()
     assert declared is not FAILED
     beside = document.folder / declared.model
-    if beside.exists():
+    if os.path.exists(beside):  # no error for a name that no file can have
         declared = replace(declared, model=str(beside))
     try:
         find_model(declared.model)

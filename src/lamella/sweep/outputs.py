@@ -67,7 +67,7 @@ class StudyOutput(ABC):
             DeclarationError: there is none of that name, or several may be meant.
         """
         fitting = [name for name, analysis in analyses.items() if self.fits(analysis)]
-        kind = "signals" if isinstance(self, SignalOutput) else "frequencies or load factors"
+        kind = {SignalOutput: "signals", MassOutput: "a mass"}.get(type(self), "frequencies or load factors")
         if self.analysis is None and len(fitting) == 1:
             return analyses[fitting[0]]
         known = ", ".join(fitting) or "none"
