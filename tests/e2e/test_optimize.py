@@ -145,6 +145,21 @@ def test_other_methods_and_a_target(file: Path, tmp_path: Path, method: str) -> 
         found["sag"]
 
 
+def test_a_wide_range_may_begin_at_a_small_value(file: Path, tmp_path: Path) -> None:
+    """The models beside it are so by a share of the value: one of the range would make the density negative."""
+    density = lm.Parameter("system.strip.laminate.ply.rho", range=(1e-2, 1e5), scale="log")
+    problem = lm.Optimisation(
+        model=str(tmp_path / "strip.yaml"),
+        parameters={"density": density},
+        outputs={"mass": lm.MassOutput()},
+        objective=lm.Objective("mass", goal="target", target="100 g"),
+        start={"density": 1.0},
+        tolerance=1e-12,
+    )
+    found = lm.run_optimisation(problem, tmp_path / "out", pictures=False)
+    assert found.best.values["density"] == pytest.approx(1000.0, rel=1e-3)  # 0.1 kg in 0.5 m by 0.1 m by 2 mm
+
+
 def test_an_interruption_keeps_the_designs(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     real, calls = lamella.optimisation.run.differentiated, []
 

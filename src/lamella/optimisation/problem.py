@@ -172,6 +172,17 @@ class Optimisation:
                 rates.append(high - low)
         return values, np.array(rates)
 
+    def sizes(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Size of a change of each parameter that matters, in its unit: that of its range, or of its value where this is smaller.
+
+        A share of the range would lead from a small value of a wide range to one of the other sign, such as a negative thickness.
+        """
+        found = {}
+        for name, parameter in self.parameters.items():
+            low, high, _ = parameter.bounds
+            found[name] = high - low if low <= 0.0 <= high else min(high - low, abs(values[name]))
+        return found
+
 
 @dataclass(frozen=True)
 class OptimisationFile:

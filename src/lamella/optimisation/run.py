@@ -115,14 +115,13 @@ def run_optimisation(
     if not overwrite and (folder / f"{HISTORY}.csv").exists():
         raise ResultFileError(f"'{folder}' holds results already; give --overwrite to replace them, or another folder with --out")
     open_folder(folder, overwrite)
-    sizes = {name: parameter.bounds[1] - parameter.bounds[0] for name, parameter in problem.parameters.items()}
     history: list[Design] = []
 
     def result(converged: bool, message: str) -> OptimisationResult:
         return OptimisationResult(problem, units, history, converged, message)
 
     def evaluate(values: Mapping[str, float]) -> Gradient:
-        return differentiated(family, values, problem.outputs, sizes, lambda: (Interruption(),))
+        return differentiated(family, values, problem.outputs, problem.sizes(values), lambda: (Interruption(),))
 
     def keep(design: Design) -> None:
         history.append(design)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -92,15 +93,17 @@ class Search:
             options["ftol"] = problem.tolerance
         if problem.method == "l-bfgs-b":
             options["gtol"] = problem.tolerance
-        found: Any = minimize(
-            lambda x: self._at(x)[0],
-            x0,
-            jac=lambda x: self._at(x)[1],
-            bounds=bounds,
-            constraints=self._constraints(x0),
-            method={"slsqp": "SLSQP", "l-bfgs-b": "L-BFGS-B", "trust-constr": "trust-constr"}[problem.method],
-            options=options,
-        )
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "delta_grad == 0.0")  # trust-constr, of an output that is linear
+            found: Any = minimize(
+                lambda x: self._at(x)[0],
+                x0,
+                jac=lambda x: self._at(x)[1],
+                bounds=bounds,
+                constraints=self._constraints(x0),
+                method={"slsqp": "SLSQP", "l-bfgs-b": "L-BFGS-B", "trust-constr": "trust-constr"}[problem.method],
+                options=options,
+            )
         converged = bool(found.success) if problem.method != "trust-constr" else found.status in (1, 2)
         return converged, str(found.message)
 
