@@ -70,10 +70,16 @@ def _usable(folder: Path) -> bool:
         return False
 
 
+def _cache_parents() -> Iterator[Path]:
+    """Where the folder may be; a folder for temporary files is looked for, and need not be there, only where it is needed."""
+    yield user_cache_path("lamella") / "kernels"
+    yield Path(tempfile.gettempdir()) / "lamella-kernels"
+
+
 def _cache_folder() -> Path:
     """Folder of the compiled kernels of these sources: in the user's cache, else below the folder for temporary files."""
     key = _source_hash()
-    for parent in (user_cache_path("lamella") / "kernels", Path(tempfile.gettempdir()) / "lamella-kernels"):
+    for parent in _cache_parents():
         if _usable(parent / key):
             _prune(parent, parent / key)
             return parent / key

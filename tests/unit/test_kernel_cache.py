@@ -54,6 +54,12 @@ def test_a_kernel_from_the_cache_is_called_by_one_compiled_later(tmp_path: Path)
     assert run(tmp_path, SECOND) == ["9.0", "1", "25.0", "1"]
 
 
+def test_the_cache_needs_no_folder_for_temporary_files(tmp_path: Path) -> None:
+    """Where ``/tmp`` is full or cannot be written, Python raises FileNotFoundError."""
+    without = "import tempfile; tempfile._get_default_tempdir = lambda *_: open('/none/such'); "
+    assert run(tmp_path, without + FIRST) == ["9.0"]
+
+
 def test_a_kernel_from_the_cache_makes_and_releases_arrays(tmp_path: Path) -> None:
     assert run(tmp_path, ARRAYS) == ["3.0", "5.0", "0", "True"]
     assert run(tmp_path, ARRAYS) == ["3.0", "5.0", "1", "False"]  # Numba has compiled nothing, not even its own functions
