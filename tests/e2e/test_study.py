@@ -10,8 +10,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -304,7 +306,7 @@ def test_a_study_file_is_no_model_file(here: Command, study: Path) -> None:
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("address", ["nonsense", "foo://here:1", "tcp://127.0.0.1:9"])
+@pytest.mark.parametrize("address", ["nonsense", "foo://here:1", "tcp://127.0.0.1:9", "tls://127.0.0.1:9"])
 def test_a_cluster_that_cannot_be_reached_is_told(here: Command, study: Path, monkeypatch: pytest.MonkeyPatch, address) -> None:
     monkeypatch.setattr(lamella.sweep.cluster, "TIMEOUT", 0.3)
     done = here("study", study, "--out", "out", "--cluster", address, "--quiet")
@@ -575,3 +577,25 @@ def test_a_cluster_loses_a_worker_and_then_its_scheduler(long_study: Path, tmp_p
     error = here.communicate(timeout=DEADLINE)[1]
     assert "runs are finished already" in error
     assert (tmp_path / "out" / "table.csv").read_bytes() == by_cluster
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_answers_no_more_is_told(
+    long_study: Path, tmp_path: Path, cluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    address, (scheduler, *_) = cluster
+    monkeypatch.setattr(lamella.sweep.cluster, "PATIENCE", 0.5)
+    monkeypatch.setattr(lamella.sweep.cluster, "FROZEN", 1.0)
+
+    def freeze() -> None:
+        wait_for_runs(tmp_path / "out", 3)
+        scheduler.send_signal(signal.SIGSTOP)
+
+    freezing = threading.Thread(target=freeze)
+    freezing.start()
+    source = read_study(long_study)
+    source = replace(source, study=replace(source.study, cluster=address))
+    with pytest.raises(WorkerError, match=r"was lost; .* runs are finished and kept"):
+        lm.run_parameter_study(source, tmp_path / "out", pictures=False)
+    freezing.join()
+    assert len(kept(tmp_path / "out")) >= 3

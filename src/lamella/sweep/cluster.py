@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import suppress
 from typing import Any
 
 from lamella import __version__, threads
@@ -13,6 +14,9 @@ from lamella.sweep.task import Row, Task, run_task
 
 TIMEOUT = 10.0
 """Seconds in which a scheduler must answer."""
+
+FROZEN = 60.0
+"""Seconds in which it must answer when it has answered before: it may have a lot to do."""
 
 PATIENCE = 15.0
 """Seconds without a finished run after which it is asked whether there are workers."""
@@ -49,8 +53,10 @@ class ClusterWorkers:
         log.setLevel(logging.CRITICAL)  # what it would say of lost connections is said here, once
         try:
             self._dask.comm.resolve_address(self.address)  # a client made with an impossible address cannot be closed
+            if self.address.startswith("tls:") and not self._dask.Security().get_connection_args("client")["ssl_context"]:
+                raise ValueError("the configuration of Dask has no certificates for TLS")
             self._client = self._dask.Client(self.address, timeout=TIMEOUT, set_as_default=False)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, ImportError) as error:
             log.setLevel(self._level)
             raise WorkerError(
                 f"the cluster '{self.address}' cannot be reached within {TIMEOUT:g} s ({_first_line(error)}); "
@@ -59,7 +65,8 @@ class ClusterWorkers:
         return self
 
     def __exit__(self, *_: Any) -> None:
-        self._client.close(timeout=TIMEOUT)
+        with suppress(OSError):  # one that answers no more
+            self._client.close(timeout=TIMEOUT)
         logging.getLogger("distributed.client").setLevel(self._level)
 
     def run(self, tasks: Sequence[Task]) -> Generator[Row, None, None]:
@@ -108,7 +115,7 @@ class ClusterWorkers:
         if self._client.status != "running":
             raise self._lost()
         try:
-            if not self._client.nthreads():
+            if not self._client.sync(self._client.scheduler.ncores, callback_timeout=FROZEN):
                 self.say(f"the cluster '{self.address}' has no worker yet; waiting")
         except (OSError, RuntimeError, ValueError) as error:
             raise self._lost() from error
