@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import wraps
 from math import isfinite
 from numbers import Integral, Real
+from os import PathLike
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from lamella.errors import DeclarationError
@@ -24,6 +25,7 @@ class Kind(NamedTuple):
 
 
 NUMBER = Kind(lambda value: isinstance(value, Real) and not isinstance(value, bool), "a number")
+PATH = Kind(lambda value: isinstance(value, (str, PathLike)), "a path")
 TEXT = Kind(lambda value: isinstance(value, str), "a text")
 WHOLE = Kind(lambda value: isinstance(value, Integral) and not isinstance(value, bool), "a whole number")
 FINITE = Kind(lambda value: NUMBER.accepts(value) and isfinite(value), "a finite number")

@@ -293,6 +293,13 @@ def test_bad_study_files_are_refused(here: Command, study: Path, tmp_path: Path,
     assert not (tmp_path / "out").exists()
 
 
+def test_a_folder_that_cannot_be_is_refused(here: Command, study: Path) -> None:
+    done = here("study", study, "--out", "x" * 300)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "cannot be written: File name too long" in done.stderr
+
+
 def test_a_model_file_is_no_study_file(here: Command, model: Path) -> None:
     done = here("study", model)
     assert done.returncode == 2

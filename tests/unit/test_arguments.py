@@ -12,6 +12,7 @@ from lamella.errors import LamellaError
 
 STEPS: Any = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9)
 STATICS = (lm.Statics("still"),)
+STUDY = lm.ParameterStudy("m", {"h": lm.Parameter("a", values=(1,))}, lm.GridDesign(), {"y": lm.MassOutput()})
 LAYUP = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700), thickness=2e-3)
 
 
@@ -72,6 +73,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: lm.buckling(strip(), state=other(1)), "buckling: state = 1; accepted is a state"),
     (lambda: lm.run_parameter_study(other({}), "out"), "study = {}; accepted is a ParameterStudy"),
     (lambda: lm.run_optimisation(other(None), "out"), "problem = None; accepted is an Optimisation"),
+    (lambda: lm.run_parameter_study(STUDY, other(3)), "run_parameter_study: folder = 3; accepted is a path"),
     (lambda: still().plate("strip", frame=9), "frame = 9; accepted is 0 to 1, or None"),
     (lambda: still().plate("strip", per_element=0), "per_element = 0; accepted is a number of intervals, 1 or more"),
     (lambda: still().save("/no/such/folder/x.h5"), "result file '/no/such/folder/x.h5': folder '/no/such/folder' does not exist"),

@@ -31,6 +31,13 @@ def test_results_are_seen_and_replaced_only_when_asked(tmp_path: Path, place: st
     assert mine.read_text() == "mine"
 
 
+@pytest.mark.parametrize("name", ["x" * 300, "a\0b"])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_names_that_no_folder_can_have_are_refused(tmp_path: Path, name: str, overwrite: bool) -> None:
+    with pytest.raises(ResultFileError, match=r"the folder '.*' cannot be written: .*; choose another one with --out"):
+        open_folder(tmp_path / name, overwrite)
+
+
 def test_files_beside_are_no_results(tmp_path: Path) -> None:
     mine = [put(tmp_path / "out" / name, "mine") for name in ("notes.txt", "variant/notes.txt", "variant/still/signals.csv")]
     open_folder(tmp_path / "out", overwrite=False)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from lamella.arguments import accepts, instance
+from lamella.arguments import PATH, accepts, instance
 from lamella.assembly.equations import Equations
 from lamella.differentiation.chain import refuse
 from lamella.differentiation.family import FileFamily
@@ -82,7 +83,7 @@ class OptimisationResult:
         return table
 
 
-@accepts(problem=instance("an Optimisation, or what read_optimisation gives", Optimisation, OptimisationFile))
+@accepts(problem=instance("an Optimisation, or what read_optimisation gives", Optimisation, OptimisationFile), folder=PATH)
 def run_optimisation(
     problem: Optimisation | OptimisationFile,
     folder: str | Path,
@@ -112,7 +113,7 @@ def run_optimisation(
     family = FileFamily.of(problem.model, problem.parameters, problem.units, problem.set)
     units = _checked(source, family)
     target, limits = source.limits(units)
-    if not overwrite and (folder / f"{HISTORY}.csv").exists():
+    if not overwrite and os.path.exists(folder / f"{HISTORY}.csv"):  # no error for a name that no folder can have
         raise ResultFileError(f"'{folder}' holds results already; give --overwrite to replace them, or another folder with --out")
     open_folder(folder, overwrite)
     history: list[Design] = []

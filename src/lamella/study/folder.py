@@ -37,18 +37,26 @@ def open_folder(folder: Path, overwrite: bool) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
         _clear(folder)
-    except OSError as error:
-        raise ResultFileError(
-            f"the folder '{folder}' cannot be written: {error.strerror or error}; choose another one with --out"
-        ) from error
+    except (OSError, ValueError) as error:  # of a name with a zero byte
+        raise _unwritable(folder, error) from error
     return folder
 
 
+def _unwritable(folder: Path, error: OSError | ValueError) -> ResultFileError:
+    reason = getattr(error, "strerror", None) or error
+    return ResultFileError(f"the folder '{folder}' cannot be written: {reason}; choose another one with --out")
+
+
 def check_folder(folder: Path, overwrite: bool) -> None:
-    """Refuse a folder that holds results, unless they may be replaced, or that is a file; nothing is changed yet."""
-    if folder.exists() and not folder.is_dir():
+    """Refuse a folder that holds results, unless they may be replaced, or that can be none; nothing is changed yet."""
+    try:
+        file = folder.exists() and not folder.is_dir()
+        held = holds_results(folder)
+    except OSError as error:  # a name that is too long
+        raise _unwritable(folder, error) from error
+    if file:
         raise ResultFileError(f"'{folder}' is a file; accepted is a folder for the results (--out)")
-    if not overwrite and holds_results(folder):
+    if held and not overwrite:
         raise ResultFileError(f"'{folder}' holds results already; give --overwrite to replace them, or another folder with --out")
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from lamella import threads
-from lamella.arguments import accepts, instance
+from lamella.arguments import PATH, accepts, instance
 from lamella.errors import WorkerError
 from lamella.progress import CountBar
 from lamella.study.run import Say, silent
@@ -21,7 +21,7 @@ from lamella.sweep.table import StudyResult
 from lamella.sweep.task import Row, Task
 
 
-@accepts(study=instance("a ParameterStudy, or what read_study gives", ParameterStudy, StudyFile))
+@accepts(study=instance("a ParameterStudy, or what read_study gives", ParameterStudy, StudyFile), folder=PATH)
 def run_parameter_study(
     study: ParameterStudy | StudyFile,
     folder: str | Path,

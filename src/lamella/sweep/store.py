@@ -38,10 +38,11 @@ class Store:
     def __init__(self, folder: Path, checked: Checked, overwrite: bool) -> None:
         self.folder = folder
         identity = _identity(checked)
-        if (folder / IDENTITY).exists() and not overwrite:
+        found = os.path.exists(folder / IDENTITY)  # no error for a name that no folder can have
+        if found and not overwrite:
             _compare(folder, identity)
             return
-        if overwrite and (folder / IDENTITY).exists():
+        if found:
             _clear(folder)
         open_folder(folder, overwrite)
         try:
