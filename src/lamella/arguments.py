@@ -28,8 +28,15 @@ NUMBER = Kind(lambda value: isinstance(value, Real) and not isinstance(value, bo
 PATH = Kind(lambda value: isinstance(value, (str, PathLike)), "a path")
 TEXT = Kind(lambda value: isinstance(value, str), "a text")
 WHOLE = Kind(lambda value: isinstance(value, Integral) and not isinstance(value, bool), "a whole number")
-FINITE = Kind(lambda value: NUMBER.accepts(value) and isfinite(value), "a finite number")
+FINITE = Kind(lambda value: NUMBER.accepts(value) and _fits(value), "a finite number")
 POSITIVE = Kind(lambda value: FINITE.accepts(value) and value > 0, "a positive number")
+
+
+def _fits(value: Any) -> bool:
+    try:
+        return isfinite(value)
+    except OverflowError:  # of a whole number
+        return False
 
 
 def at_least(least: int) -> Kind:
@@ -76,7 +83,8 @@ def mapping(kind: Kind, least: int = 0) -> Kind:
     """A mapping of names to values of a kind, of some length at least."""
 
     def accepts(value: Any) -> bool:
-        return isinstance(value, Mapping) and len(value) >= least and all(map(kind.accepts, value.values()))
+        named = isinstance(value, Mapping) and all(map(TEXT.accepts, value))
+        return named and len(value) >= least and all(map(kind.accepts, value.values()))
 
     return Kind(accepts, f"a mapping of names to {kind.words}{f', {least} or more' if least else ''}")
 

@@ -94,6 +94,11 @@ def test_the_lightest_strip_is_that_of_beam_theory(
         ("{output: mass}", "{output: mass, goal: target}", "a target with the goal"),
         ("{min: -1 mm}", "{min: -1 kg}", "does not convert to m"),
         ("{min: -1 mm}", "{min: 2 mm, max: 1 mm}", "a lower value before a higher one"),
+        (
+            "start: {thickness: 4 mm}",
+            "  again: {path: system.strip.laminate.thickness, range: [1 mm, 2 mm]}",
+            "again: the path system.strip.laminate.thickness is that of the parameter 'thickness' already",
+        ),
         ("objective", "method: l-bfgs-b\nobjective", "knows no constraints"),
         ("optimize: 1\n", "", "'optimize: 1' is missing"),
         ("{kind: mass}", "{kind: mass, body: stirp}", "there is no body 'stirp' with mass; did you mean"),

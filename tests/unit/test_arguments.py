@@ -34,7 +34,7 @@ def still(elements: int = 1) -> Any:
     return lm.equilibrium(strip(elements))
 
 
-def still_by(analyses: Any = STATICS, output: Any = None) -> Any:
+def still_by(analyses: Any = STATICS, output: Any = None, sizes: Any = None) -> Any:
     """A gradient by the force of a strip."""
 
     def loaded(force: float) -> lm.System:
@@ -42,7 +42,7 @@ def still_by(analyses: Any = STATICS, output: Any = None) -> Any:
         system.add(lm.PointForce("more", system.declarations[0].marker("A", 0.5, 0.0), (0, 0, force)))
         return system
 
-    return lm.gradient(loaded, {"force": 1.0}, {"mass": output or lm.MassOutput()}, analyses=analyses)
+    return lm.gradient(loaded, {"force": 1.0}, {"mass": output or lm.MassOutput()}, analyses=analyses, sizes=sizes)
 
 
 def other(value: Any) -> Any:
@@ -84,6 +84,29 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         lambda: lm.gradient("swing", at={}, outputs=other({"f": "shape"})),
         "outputs = {'f': 'shape'}; accepted is a mapping of",
     ),
+    (lambda: lm.gradient("swing", at=other({3: 1.0}), outputs={}), "at = {3: 1.0}; accepted is a mapping of names to a number"),
+    (lambda: lm.gradient("swing", {"f": 10**400}, {}), "gradient: f = 10.*; accepted is a number with a unit"),
+    (lambda: lm.gradient("swing", {"f": 1.0}, {}, settings="x=1"), "settings = 'x=1'; accepted is a list of key=value texts"),
+    (
+        lambda: lm.gradient("swing", {"f": 1.0}, {}, sizes={"f": 0.0}),
+        "sizes = {'f': 0.0}; accepted is a mapping of names to",
+    ),
+    (lambda: lm.gradient("swing", {"f": 1.0}, {}, sizes={"g": 1.0}), "gradient: sizes: there is no parameter 'g'. There are: f"),
+    (
+        lambda: lm.gradient("swing", {"f": 1.0, "g": 1.0}, {}, parameters={"f": lm.Parameter("a"), "g": lm.Parameter("a")}),
+        "gradient: g: the path a is that of the parameter 'f' already",
+    ),
+    (lambda: still_by(sizes={"force": 1e-30}), "force = 1.0 is not changed by a share of its size 1e-30; accepted is a larger"),
+    (
+        lambda: still_by(analyses=(lm.NaturalModes("free", about="still"), *STATICS)),
+        "analysis 'free': about: 'still' is no analysis before it with a state; accepted are none",
+    ),
+    (
+        lambda: still_by(analyses=(*STATICS, lm.NaturalModes("free"), lm.Motion("swing", 0.1, start="free"))),
+        "analysis 'swing': start: 'free' is no analysis before it with a state; accepted are still",
+    ),
+    (lambda: still_by(analyses=(*STATICS, lm.Statics("still", time=1.0))), "analysis 'still': two have this name"),
+    (lambda: still_by()[other(("mass", "force", "more"))], r"found\[\('mass', .*; accepted is an output, or an output and a pa"),
     (lambda: still_by(analyses=other(5)), "gradient: analyses = 5; accepted is a list of analyses such as Motion"),
     (lambda: still_by(analyses=other(lm.Statics("still"))), "analyses = .*; accepted is a list of analyses"),
     (lambda: still_by(analyses=other([5])), "analyses = .5.; accepted is a list of analyses"),

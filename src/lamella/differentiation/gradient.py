@@ -8,18 +8,21 @@ from pathlib import Path
 
 import numpy as np
 
-from lamella.arguments import NUMBER, TEXT, accepts, either, instance, mapping, optional, sequence
+from lamella.arguments import NUMBER, POSITIVE, TEXT, Kind, accepts, either, instance, mapping, optional, sequence
 from lamella.assembly.equations import Equations
 from lamella.differentiation.chain import Chain, refuse
 from lamella.differentiation.family import Family, FileFamily, FunctionFamily, Values
 from lamella.differentiation.neighbours import neighbours_of
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, no_such
 from lamella.io.analysis import Analysis
 from lamella.result import Sink
 from lamella.roles import Floats
 from lamella.sweep.outputs import StudyOutput, recorded
-from lamella.sweep.parameter import Parameter, quantity_of
+from lamella.sweep.parameter import Parameter, check_paths, quantity_of
 from lamella.system import System
+
+BEGINS = ("start", "about")
+"""Keys that say from which analysis one goes on; shapes of imperfections are refused."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,9 @@ class Gradient:
     parameter_units: Mapping[str, str]
 
     def __getitem__(self, name: str | tuple[str, str]) -> Floats | float:
-        output, parameter = name if isinstance(name, tuple) else (name, None)
+        output, parameter = name if isinstance(name, tuple) and len(name) == 2 else (name, None)
+        if not isinstance(output, str):
+            raise DeclarationError("gradient", f"found[{name!r}]", "accepted is an output, or an output and a parameter")
         for what, key, known in (("output", output, self.derivatives), ("parameter", parameter, self.at)):
             if key is not None and key not in known:
                 raise DeclarationError("gradient", f"no {what} '{key}'", f"there are {', '.join(known)}")
@@ -61,7 +66,8 @@ class Gradient:
     outputs=mapping(instance("outputs such as SignalOutput(...)", StudyOutput)),
     analyses=sequence(instance("analyses such as Motion(...)", Analysis)),
     parameters=optional(mapping(instance("Parameter(...)", Parameter))),
-    sizes=optional(mapping(NUMBER)),
+    settings=sequence(Kind(TEXT.accepts, "key=value texts")),
+    sizes=optional(mapping(POSITIVE)),
 )
 def gradient(
     model: Callable[..., System] | str | Path,
@@ -83,8 +89,8 @@ def gradient(
         analyses: what is computed with the system of a function; a model file has its own.
         parameters: what the parameters of a model file replace, as in a parameter study, by name.
         settings: ``key=value`` texts that replace values of the model file.
-        sizes: typical size of a parameter, in its unit, by name; its value when left out, and 1 where that is 0. Residuals are
-            differenced over 5e-5 of it.
+        sizes: typical size of a parameter, in its unit, by name, above zero; its value when left out, and 1 where that is 0.
+            Residuals are differenced over 5e-5 of it.
 
     Raises:
         DeclarationError: an unknown output, one that is not differentiable, or a parameter that changes more than numbers.
@@ -93,6 +99,9 @@ def gradient(
         ModelError: the system cannot be solved, or its solution has no derivative.
     """
     values, units = {}, {}
+    for name in sizes or {}:
+        if name not in at:
+            raise DeclarationError("gradient", f"sizes: {no_such('parameter', name, at)}")
     for name, given in at.items():
         found = quantity_of(given)
         if found is None or (callable(model) and found[1]):
@@ -114,6 +123,10 @@ def gradient(
         if set(chosen) != set(values):
             accepted = f"accepted is a value for each of {', '.join(chosen)}"
             raise DeclarationError("gradient", f"at has values for {', '.join(values)}", accepted)
+        try:
+            check_paths(chosen)
+        except ValueError as error:
+            raise DeclarationError("gradient", str(error)) from error
         family = FileFamily.of(model, chosen, units, settings)
     return differentiated(family, values, outputs, sizes or {})
 
@@ -127,7 +140,7 @@ def differentiated(
 ) -> Gradient:
     """The gradient at some values of a family's parameters; arguments and errors as those of :func:`gradient`."""
     system, given = family.at(values)
-    analyses = {analysis.name: analysis for analysis in given}
+    analyses = _ordered(given)
     if not values or not outputs:
         raise DeclarationError("gradient", f"no {'outputs' if values else 'parameters'} are given", "accepted is at least one")
     chosen = {name: output.chosen(analyses) for name, output in outputs.items()}
@@ -161,12 +174,29 @@ def differentiated(
     return Gradient(dict(values), ordered, {name: chain.derivatives[name] for name in outputs}, units, dict(family.units))
 
 
+def _ordered(given: Sequence[Analysis]) -> dict[str, Analysis]:
+    """Analyses by name.
+
+    Raises:
+        DeclarationError: two have one name, or one goes on from none before it that ends in a state.
+    """
+    analyses: dict[str, Analysis] = {}
+    for analysis in given:
+        item = f"gradient: analysis '{analysis.name}'"
+        if analysis.name in analyses and analyses[analysis.name] != analysis:
+            raise DeclarationError(item, "two have this name", "accepted are different names")
+        for place, of in analysis.begins().items():
+            if place[0] in BEGINS and of not in (fit := [name for name, each in analyses.items() if each.axis]):
+                problem = f"{place[0]}: '{of}' is no analysis before it with a state"
+                raise DeclarationError(item, problem, f"accepted are {', '.join(fit) or 'none'}")
+        analyses[analysis.name] = analysis
+    return analyses
+
+
 def _needed(analyses: Mapping[str, Analysis], chosen: Mapping[str, Analysis]) -> list[str]:
     """Names of the analyses that outputs are taken from, and of those they start from, in order."""
     wanted = {analysis.name for analysis in chosen.values()}
     for name in reversed([*analyses]):
         if name in wanted:
-            before = getattr(analyses[name], "start", None) or getattr(analyses[name], "about", None)
-            if before is not None:
-                wanted.add(before)
+            wanted |= {of for place, of in analyses[name].begins().items() if place[0] in BEGINS}
     return [name for name in analyses if name in wanted]

@@ -92,6 +92,9 @@ def neighbours_of(name: str, base: Equations, value: float, size: float, made: C
         DeclarationError: there is no model beside the value, or one of another kind.
     """
     step = STEP * size
+    if value + step == value:
+        problem = f"{name} = {value!r} is not changed by a share of its size {size!r}"
+        raise DeclarationError("gradient", problem, "accepted is a larger one in 'sizes'")
     above = _equations(name, base, _model(name, value + step, made))
     sides = []
     for place, weight in FOURTH if _moves(base, above) else CENTRAL:

@@ -17,7 +17,7 @@ from lamella.io.reader import suggestion
 from lamella.roles import Floats
 from lamella.sweep.file import read_declaration
 from lamella.sweep.outputs import StudyOutput
-from lamella.sweep.parameter import Bound, Parameter, check_names, quantity_of
+from lamella.sweep.parameter import Bound, Parameter, check_names, check_paths, quantity_of
 from lamella.units import to_si
 
 Method = Literal["slsqp", "l-bfgs-b", "trust-constr"]
@@ -119,6 +119,7 @@ class Optimisation:
                 raise ValueError(f"{name}: values and count belong to grids; accepted is 'path' with 'range'")
             if parameter.range is None:
                 raise ValueError(f"{name}: 'range' is missing; accepted are two values such as [1 mm, 3 mm]")
+        check_paths(self.parameters)
         check_names(self.parameters, self.outputs, ("design", "objective", "violation", "status", "message", "seconds"))
         for key, names, known in (
             ("objective", [self.objective.output], self.outputs),

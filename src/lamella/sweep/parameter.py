@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from lamella.arguments import FINITE
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.roles import Floats
@@ -142,7 +143,7 @@ def quantity_of(value: Any) -> tuple[float, str] | None:
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None
     if not isinstance(value, str):
-        return float(value), ""
+        return (float(value), "") if FINITE.accepts(value) or isinstance(value, float) else None
     found = QUANTITY.fullmatch(value)
     return (float(found[1]), (found[2] or found[3] or "").strip()) if found else None
 
@@ -172,6 +173,16 @@ def check_names(parameters: Collection[str], outputs: Collection[str], columns: 
             raise ValueError(f"{kind}: a name is empty; accepted is one that heads a column of the table")
         if taken := [name for name in names if name in columns]:
             raise ValueError(f"{kind}: the table has a column '{taken[0]}' of its own; accepted is another name")
+
+
+def check_paths(parameters: Mapping[str, Parameter]) -> None:
+    """Refuse a path that two parameters replace: the value of one would count for nothing."""
+    taken: dict[str, str] = {}
+    for name, parameter in parameters.items():
+        for path in parameter.factors:
+            if path in taken:
+                raise ValueError(f"{name}: the path {path} is that of the parameter '{taken[path]}' already")
+            taken[path] = name
 
 
 def label_of(name: str, unit: str) -> str:

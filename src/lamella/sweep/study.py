@@ -18,7 +18,7 @@ from lamella.io.model_file import ModelFile, loads
 from lamella.sweep.designs import Design, Row, design_rows
 from lamella.sweep.file import read_declaration
 from lamella.sweep.outputs import StudyOutput, recorded
-from lamella.sweep.parameter import Parameter, check_names, columns_of, label_twice
+from lamella.sweep.parameter import Parameter, check_names, check_paths, columns_of, label_twice
 
 TRIED = 10
 """Runs whose model is read before anything is run, until one can be."""
@@ -59,12 +59,7 @@ class ParameterStudy:
         if self.workers is not None and self.cluster is not None:
             raise ValueError("workers and cluster are both given; a cluster has its own workers")
         check_names(self.parameters, self.outputs, ("run", "status", "message"))
-        taken: dict[str, str] = {}
-        for name, parameter in self.parameters.items():
-            for path in parameter.factors:
-                if path in taken:
-                    raise ValueError(f"{name}: the path {path} is that of the parameter '{taken[path]}' already")
-                taken[path] = name
+        check_paths(self.parameters)
         self.rows()
 
     def rows(self) -> list[Row]:
