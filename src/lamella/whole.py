@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,6 +24,23 @@ def unwritable(path: Path, error: OSError, what: str = "") -> ResultFileError:
     return ResultFileError(f"{item} cannot be written: {error.strerror or error}; accepted is a file in a writable folder")
 
 
+PART = ".part."
+"""How the names of files begin that are not whole yet."""
+ABANDONED = 10.0
+"""Seconds after which a small file that is not whole was left by a process that has been killed."""
+
+
+def remove_abandoned(folder: Path) -> None:
+    """Remove what killed processes have left of small files in a folder.
+
+    Raises:
+        OSError: it cannot be removed.
+    """
+    for path in folder.glob(f"{PART}*"):
+        if time.time() - path.stat().st_mtime > ABANDONED:
+            path.unlink(missing_ok=True)
+
+
 @contextmanager
 def replaced(path: Path, what: str = "") -> Iterator[Path]:
     """A file beside ``path`` to write to; it takes the place of ``path`` at the end, and is removed when writing fails.
@@ -41,7 +59,7 @@ def replaced(path: Path, what: str = "") -> Iterator[Path]:
             yield path
             return
         place = Path(os.path.realpath(path))
-        partial = place.with_name(f".part.{os.getpid()}.{place.name}")  # writers that go by the suffix find it
+        partial = place.with_name(f"{PART}{os.getpid()}.{place.name}")  # writers that go by the suffix find it
         try:
             yield partial
             os.replace(partial, place)

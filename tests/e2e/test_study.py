@@ -90,7 +90,7 @@ def table(folder: Path) -> list[dict[str, str]]:
 
 
 def kept(folder: Path) -> dict[str, int]:
-    return {path.name: path.stat().st_mtime_ns for path in (folder / "runs").glob("*.json")}
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "runs").glob("[0-9]*.json")}  # none that is being written
 
 
 def wait_for_runs(folder: Path, number: int) -> None:
@@ -181,7 +181,12 @@ def test_a_study_goes_on_where_it_ended(here: Command, study: Path, tmp_path: Pa
     lost = json.loads((tmp_path / "out" / "runs" / "000006.json").read_text()) | {"status": "lost"}
     (tmp_path / "out" / "runs" / "000006.json").write_text(json.dumps(lost))
     (tmp_path / "out" / "table.csv").unlink()
+    left, written = (tmp_path / "out" / "runs" / f".part.{number}.000002.json" for number in (1, 2))
+    for part in (left, written):
+        part.write_text('{"number": 2, "sta')
+    os.utime(left, (0, 0))  # by a process that was killed long ago; the other may be at work
     done = here("study", study, "--out", "out", "--no-pictures")
+    assert (left.exists(), written.exists()) == (False, True)
     assert done.returncode == 0
     assert "3 of 6 runs are finished already" in done.stderr
     assert inline[len(first) :] == [2, 4, 6]

@@ -15,7 +15,7 @@ from lamella.errors import ResultFileError
 from lamella.study.folder import open_folder
 from lamella.sweep.study import Checked
 from lamella.sweep.task import Row
-from lamella.whole import replaced, write_text
+from lamella.whole import remove_abandoned, replaced, write_text
 
 IDENTITY, RUNS = "study.json", "runs"
 TABLES = ("table.csv", "table.parquet", "sensitivity.csv")
@@ -102,6 +102,7 @@ def _compare(folder: Path, identity: dict[str, str]) -> None:
         raise ResultFileError(f"'{folder}' holds another study: it differs in {', '.join(differing)}; {advice}")
     try:
         (folder / RUNS).mkdir(exist_ok=True)
+        remove_abandoned(folder / RUNS)
     except OSError as error:
         raise ResultFileError(f"'{folder}' cannot be written: {error.strerror or error}") from error
 
