@@ -47,6 +47,17 @@ class ModelError(LamellaError):
     """A system as a whole cannot be compiled or solved (no body, no constraint in statics, ...)."""
 
 
+class FunctionError(ModelError):
+    """A Python function of the model, a control law or a force, raised an error, which is its cause, or gave no numbers.
+
+    Attributes:
+        outcome, result: as those of :class:`ConvergenceError`; None where nothing had been computed.
+    """
+
+    outcome: object = None
+    result: object = None
+
+
 class ConvergenceError(LamellaError):
     """A solution procedure stopped before its end.
 

@@ -15,7 +15,8 @@ from lamella.arguments import NUMBER, WHOLE, accepts, instance, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.compilation import compilation_notice
-from lamella.errors import ConvergenceError, DeclarationError, ModelError, ResultFileError
+from lamella.ended_early import error_of
+from lamella.errors import DeclarationError, FunctionError, ModelError, ResultFileError
 from lamella.integrate.base import Integrator, StepOutcome, Stepper
 from lamella.integrate.events import EventWatch
 from lamella.integrate.sampling import Sampling
@@ -93,6 +94,7 @@ def simulate(
 
     Raises:
         ConvergenceError: the smallest step did not converge.
+        FunctionError: a control law or force in Python raised an error; it holds the partial result too.
         ConstraintError: constraints contradict each other.
         ModelError: joints lock the system, or it is described in a frame that spins.
     """
@@ -128,10 +130,8 @@ def simulate(
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
     result = Result(model, recorder, final, outcome, statistics)
-    if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
-        raise KeyboardInterrupt(str(outcome))
     if not outcome.completed and on_failure == "raise":
-        raise ConvergenceError(f"the motion {outcome}", outcome, result)
+        raise error_of(result, f"the motion {outcome}")
     return result
 
 
@@ -241,6 +241,8 @@ class March:
             return Outcome(Cause.INTERRUPTED, self.t, self.t_end)
         except ResultFileError as error:
             return Outcome(Cause.WRITE_FAILED, self.t, self.t_end, str(error))
+        except FunctionError as error:
+            return Outcome(Cause.FUNCTION_FAILED, self.t, self.t_end, str(error), error=error)
         return Outcome(Cause.COMPLETED, self.t, self.t_end)
 
     def advance(self, stop: float, jumping: bool) -> Outcome | None:

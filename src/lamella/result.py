@@ -13,7 +13,7 @@ import numpy as np
 
 from lamella.critical import CriticalPoint
 from lamella.dofs import Signal
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, FunctionError
 from lamella.roles import Floats
 from lamella.state import State
 
@@ -36,6 +36,7 @@ class Cause(enum.Enum):
     STEP_LIMIT = "the largest number of steps was reached"
     INTERRUPTED = "interrupted by the user"
     WRITE_FAILED = "the result file cannot be written"
+    FUNCTION_FAILED = "a function of the model failed"
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,7 @@ class Outcome:
         events: what happened on the way, in time order.
         start: what was changed in the initial state.
         critical_points: where the stiffness became singular, in the order met; in statics.
+        error: of the function that failed.
     """
 
     cause: Cause
@@ -111,6 +113,7 @@ class Outcome:
     events: tuple[Happening, ...] = ()
     start: Start = Start()
     critical_points: tuple[CriticalPoint, ...] = ()
+    error: FunctionError | None = field(default=None, compare=False)
 
     @property
     def completed(self) -> bool:

@@ -11,7 +11,16 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.critical import CriticalPoint
-from lamella.errors import ConstraintError, ConvergenceError, DeclarationError, ModelError, ResultFileError, SingularSystemError
+from lamella.ended_early import error_of
+from lamella.errors import (
+    ConstraintError,
+    ConvergenceError,
+    DeclarationError,
+    FunctionError,
+    ModelError,
+    ResultFileError,
+    SingularSystemError,
+)
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Recorder, Result, Sink, Statistics
@@ -179,6 +188,8 @@ class StaticRun:
             return Outcome(Cause.INTERRUPTED, self._at(self.point), until)
         except ResultFileError as error:
             return Outcome(Cause.WRITE_FAILED, self._at(self.point), until, str(error))
+        except FunctionError as error:
+            return Outcome(Cause.FUNCTION_FAILED, self._at(self.point), until, str(error), error=error)
 
     def judged(self, outcome: Outcome) -> Outcome:
         """The outcome of a completed solution, with a word of warning when the equilibrium is unstable."""
@@ -202,8 +213,6 @@ class StaticRun:
         self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
         self.recorder.close(outcome, self.statistics)
         result = Result(self.model, self.recorder, self.state, outcome, self.statistics)
-        if outcome.cause is Cause.INTERRUPTED and on_failure == "raise":
-            raise KeyboardInterrupt(str(outcome))
         if not outcome.completed and on_failure == "raise":
-            raise ConvergenceError(f"the equilibrium {outcome}", outcome, result)
+            raise error_of(result, f"the equilibrium {outcome}")
         return result

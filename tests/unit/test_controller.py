@@ -8,7 +8,11 @@ from linear_systems import cantilever, hub, pendulum, system_of
 from scipy.signal import cont2discrete
 
 import lamella as lm
-from lamella.errors import DeclarationError, ModelError
+from lamella.assembly.equations import Equations
+from lamella.errors import DeclarationError, FunctionError, ModelError
+from lamella.io.results import ResultWriter, read_result
+from lamella.result import Cause
+from lamella.signals import system_signals
 
 MASS, PERIOD, END = 2.0, 0.05, 1.0
 STEPS = lm.GeneralizedAlpha(dt=0.02, newton=lm.Newton(tolerance=1e-12))  # no divisor of the period
@@ -180,6 +184,26 @@ def test_a_turning_plate_with_stiff_damping_is_steered_without_rejected_steps(rh
 def test_a_law_that_goes_wrong_is_told_with_its_time(law, said):
     with pytest.raises(ModelError, match=said):
         lm.simulate(sledge(law), END, STEPS)
+
+
+def test_what_was_computed_until_a_law_goes_wrong_is_kept(tmp_path):
+    def breaks(t, y):
+        if t > 0.1:
+            raise LookupError("no more")
+        return 0.0
+
+    system = sledge(lm.FunctionLaw(breaks))
+    path, signals = tmp_path / "run.h5", system_signals(Equations(system.compile()))
+    sink = ResultWriter(path, signals, "time", system.compile().n_q)
+    with pytest.raises(FunctionError, match="its law raised LookupError: no more") as caught:
+        lm.simulate(system, END, STEPS, sinks=(sink,))
+    assert isinstance(caught.value.__cause__, LookupError)
+    kept, stored = caught.value.result, read_result(path)
+    for result in (kept, stored, lm.simulate(system, END, STEPS, on_failure="return")):
+        assert result.outcome.cause is Cause.FUNCTION_FAILED
+        assert result.at[-1] == result.outcome.reached == pytest.approx(0.15)
+        assert "its law raised LookupError: no more" in result.outcome.detail
+    np.testing.assert_array_equal(stored.at, kept.at)
 
 
 def test_a_function_may_fill_one_array_for_several_controllers():

@@ -11,9 +11,10 @@ from measure_cases import derivative
 
 import lamella as lm
 from lamella.dofs import Build
-from lamella.errors import DeclarationError, ModelError, ModelFileError, ResultFileError
+from lamella.errors import DeclarationError, FunctionError, ModelError, ModelFileError, ResultFileError
 from lamella.io.model_file import dumps, loads
 from lamella.io.schema import json_schema
+from lamella.result import Cause
 
 TIME = 0.7
 SHEET = lm.Laminate(lm.Isotropic(E=70e9, nu=0.3, rho=2700.0), thickness=0.01)
@@ -163,6 +164,26 @@ def test_an_error_in_the_functions_is_told_with_the_force_and_the_time(which):
     with pytest.raises(ModelError, match=said) as caught:
         lm.simulate(system, t_end=0.01, integrator=lm.GeneralizedAlpha(dt=1e-3))
     assert isinstance(caught.value.__cause__, LookupError)
+
+
+def test_load_steps_until_a_function_fails_are_kept():
+    def fails(t, r, v):
+        if r[0, 2] > 0.03:
+            raise LookupError("too far")
+        return np.zeros_like(r)
+
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.5), (1, 1), SHEET))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    tip = plate.marker("tip", 1.0, 0.25)
+    system.add(lm.UserForce("spring", [tip], fails))
+    system.add(lm.PointForce("load", tip, (0, 0, 1000.0)))
+    with pytest.raises(FunctionError, match="'function' raised LookupError: too far") as caught:
+        lm.equilibrium(system, steps=10)
+    kept = caught.value.result
+    assert 0.0 < kept.at[-1] < 1.0
+    assert kept.outcome.cause is Cause.FUNCTION_FAILED
+    assert kept.samples("tip.position")[-1, 2] < 0.03
 
 
 @pytest.mark.parametrize("compute", [lambda system: lm.simulate(system, 0.1, lm.GeneralizedAlpha(1e-2)), lm.equilibrium])

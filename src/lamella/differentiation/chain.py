@@ -18,6 +18,7 @@ from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.signals import SignalDerivatives
 from lamella.differentiation.solution import PointDerivative, static_derivatives
 from lamella.differentiation.statistics import statistic_derivative
+from lamella.ended_early import error_of
 from lamella.errors import ConvergenceError, DeclarationError
 from lamella.integrate.generalized_alpha import GeneralizedAlpha
 from lamella.io.analysis import Analysis, Computed, Motion, state_of
@@ -142,6 +143,8 @@ class Chain:
     def _completed(self, analysis: Analysis, computed: Computed) -> Result:
         assert isinstance(computed, Result)
         if not computed.outcome.completed:
+            if computed.outcome.error is not None:
+                raise error_of(computed, "")
             raise ConvergenceError(f"analysis '{analysis.name}' {computed.outcome}", computed.outcome, computed)
         self.computed[analysis.name] = computed
         return computed

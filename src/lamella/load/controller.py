@@ -10,7 +10,7 @@ from pydantic import Field
 from lamella import units
 from lamella.declaration import declaration
 from lamella.dofs import Signal
-from lamella.errors import DeclarationError, ModelError
+from lamella.errors import DeclarationError, FunctionError
 from lamella.load.control_law import ControlLaw
 from lamella.memory import Memory
 from lamella.roles import Declaration, Floats
@@ -110,17 +110,17 @@ class ControlSampler(Memory):
         """Let the law act on measured values.
 
         Raises:
-            ModelError: it raised an error, or gave something that is no outputs and state.
+            FunctionError: it raised an error, or gave something that is no outputs and state.
         """
         item = f"Controller '{self.name}' at t = {t:g} s"
         try:
             u, x = self._law.sample(t, y, self.state, self.period)
         except Exception as error:
-            raise ModelError(f"{item}: its law raised {type(error).__name__}: {error}; measured were {y}") from error
+            raise FunctionError(f"{item}: its law raised {type(error).__name__}: {error}; measured were {y}") from error
         for found, wanted, what in ((u, self.output, "outputs"), (x, self.state, "states")):
             if found.shape != wanted.shape or not (np.abs(found) <= LARGEST).all():
                 count = f"accepted are {len(wanted)} finite numbers" if len(wanted) != 1 else "accepted is one finite number"
-                raise ModelError(f"{item}: its law gave the {what} {found}; {count} of up to {LARGEST:g}")
+                raise FunctionError(f"{item}: its law gave the {what} {found}; {count} of up to {LARGEST:g}")
         self.output, self.state = u, x
         self._hold()
 

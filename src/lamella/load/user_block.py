@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from lamella.errors import DeclarationError, ModelError
+from lamella.errors import DeclarationError, FunctionError
 from lamella.kinematics import VectorRows, vectors_of
 from lamella.roles import Floats, ForceBlock
 
@@ -103,13 +103,13 @@ class UserForceBlock(ForceBlock):
         """What one of the functions gives.
 
         Raises:
-            ModelError: it raised an error.
+            FunctionError: it raised an error.
         """
         try:
             return function(t, r.copy(), v.copy())
         except Exception as error:
             said = f"'{which}' raised {type(error).__name__}: {error}"
-            raise ModelError(f"UserForce '{self.name}' at t = {t:g} s: {said}") from error
+            raise FunctionError(f"UserForce '{self.name}' at t = {t:g} s: {said}") from error
 
     def _array(self, which: str, given: object) -> Floats:
         """Numbers that one of the functions gave."""
