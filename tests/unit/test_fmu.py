@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from fmi_units import VERSIONS, fmpy, instantiated, validate_fmu
 
 import lamella as lm
 from lamella.cli.main import ERROR, run_app
@@ -17,13 +18,6 @@ from lamella.errors import DeclarationError, MissingExtraError, ModelError, Resu
 from lamella.fmu.plant import Plant
 from lamella.fmu.units import base_units, is_structured
 from lamella.io.model_file import read_model
-
-fmpy = pytest.importorskip("fmpy")
-fmi2 = pytest.importorskip("fmpy.fmi2")
-fmi3 = pytest.importorskip("fmpy.fmi3")
-validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
-pytest.importorskip("pythonfmu")
-pytest.importorskip("pythonfmu3")
 
 MODEL = """\
 lamella: 1
@@ -47,7 +41,6 @@ analysis:
 OUTPUTS = ["tip.position.z", "root.torque.y"]
 STEP = 5e-3
 LEVELS = np.array([0.3, -1.0, 2.0, 0.5, 1.5, -0.7])
-VERSIONS = [2, 3]
 
 
 @pytest.fixture(scope="module")
@@ -78,12 +71,8 @@ def own(model: Path) -> np.ndarray:
 def instance(path: Path, fmi: int, folder: Path) -> SimpleNamespace:
     """A unit at work, with the same few calls for both versions."""
     description = fmpy.read_model_description(path)
-    where = fmpy.extract(path, folder)
     numbers = {item.name: item.valueReference for item in description.modelVariables}
-    cls, key = (fmi2.FMU2Slave, description.guid) if fmi == 2 else (fmi3.FMU3Slave, description.instantiationToken)
-    identifier = description.coSimulation.modelIdentifier
-    slave = cls(guid=key, unzipDirectory=where, modelIdentifier=identifier, instanceName="unit")
-    slave.instantiate(loggingOn=True)
+    slave = instantiated(path, fmi, folder)
     get, put = (slave.getReal, slave.setReal) if fmi == 2 else (slave.getFloat64, slave.setFloat64)
 
     def begin(level: float) -> None:

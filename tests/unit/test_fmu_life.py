@@ -10,18 +10,12 @@ from zipfile import ZipFile
 
 import numpy as np
 import pytest
+from fmi_units import VERSIONS, fmpy, instantiated, validate_fmu
 
 import lamella as lm
 from lamella.errors import DeclarationError, ModelError
 from lamella.fmu.lasting import ENDING
 from lamella.fmu.plant import Plant
-
-fmpy = pytest.importorskip("fmpy")
-fmi2 = pytest.importorskip("fmpy.fmi2")
-fmi3 = pytest.importorskip("fmpy.fmi3")
-validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
-pytest.importorskip("pythonfmu")
-pytest.importorskip("pythonfmu3")
 
 MODEL = """\
 lamella: 1
@@ -38,7 +32,6 @@ analysis:
   plant: {type: linear, about: hanging, inputs: [push], outputs: [mass.position.z]}
   motion: {type: motion, start: hanging, t_end: 0.1 s, integrator: {dt: 1 ms}}
 """
-VERSIONS = [2, 3]
 
 
 @pytest.fixture(scope="module")
@@ -50,12 +43,7 @@ def units(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
 
 def _instance(path: Path, fmi: int, folder: Path):
     """A unit of the package that is unpacked in ``folder``, and how it is initialised."""
-    description = fmpy.read_model_description(path)
-    where = folder if folder.exists() else fmpy.extract(path, folder)  # a binary that is loaded must not be written again
-    cls, key = (fmi2.FMU2Slave, description.guid) if fmi == 2 else (fmi3.FMU3Slave, description.instantiationToken)
-    identifier = description.coSimulation.modelIdentifier
-    slave = cls(guid=key, unzipDirectory=where, modelIdentifier=identifier, instanceName="unit")
-    slave.instantiate(loggingOn=True)
+    slave = instantiated(path, fmi, folder)
 
     def begin() -> None:
         if fmi == 2:

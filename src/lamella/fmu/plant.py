@@ -17,8 +17,7 @@ from lamella.errors import DeclarationError, ModelError
 from lamella.io.analysis import Motion
 from lamella.io.model_file import loads
 from lamella.state import State
-from lamella.stepping.run import Stepping
-from lamella.units import LARGEST
+from lamella.stepping.run import Stepping, refuse_unusable
 
 MODEL, INTERFACE, START = "model.yaml", "interface.json", "start.npz"
 """Files in the resources."""
@@ -108,12 +107,7 @@ class Plant:
         if name not in self._set:
             inputs = ", ".join(self._set) or "it has none"
             raise DeclarationError(f"FMU '{self.interface.name}'", f"'{name}' is set", f"accepted is an input: {inputs}")
-        if not abs(value) <= LARGEST[""]:
-            raise DeclarationError(
-                f"FMU '{self.interface.name}'",
-                f"the input '{name}' is set to {value}",
-                f"accepted is a number of up to {LARGEST['']:g}",
-            )
+        refuse_unusable(f"FMU '{self.interface.name}'", name, value)
         if self._stepping is not None:
             self._stepping.set(name, value)
         self._set[name] = value

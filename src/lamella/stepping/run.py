@@ -176,10 +176,7 @@ class Stepping:
         """
         if name not in self._wanted:
             raise DeclarationError(ITEM, f"there is no input '{name}'", f"there are: {', '.join(self._wanted) or 'none'}")
-        if not abs(value) <= LARGEST[""]:
-            raise DeclarationError(
-                ITEM, f"the input '{name}' is set to {value}", f"accepted is a number of up to {LARGEST['']:g}"
-            )
+        refuse_unusable(ITEM, name, value)
         self._wanted[name] = float(value)
 
     def get(self, name: str) -> float | Floats:
@@ -321,3 +318,13 @@ class Stepping:
         model = self.model
         parts = (repr(self._integrator), model.n_q, model.n_lam, list(self._inputs), [signal.name for signal in self._signals])
         return sha256(repr(parts).encode()).hexdigest()
+
+
+def refuse_unusable(item: str, name: str, value: float) -> None:
+    """Refuse a value of an input that is no number that can be computed with; ``item`` is who is asked.
+
+    Raises:
+        DeclarationError: it is none.
+    """
+    if not abs(value) <= LARGEST[""]:
+        raise DeclarationError(item, f"the input '{name}' is set to {value}", f"accepted is a number of up to {LARGEST['']:g}")

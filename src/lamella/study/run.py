@@ -8,7 +8,8 @@ from pathlib import Path
 
 from lamella.assembly.equations import Equations
 from lamella.compilation import compilation_notice
-from lamella.errors import ConvergenceError, LamellaError, ModelFileError, ResultFileError
+from lamella.ended_early import error_of
+from lamella.errors import LamellaError, ModelFileError, ResultFileError
 from lamella.io.analysis import Analysis, Computed
 from lamella.io.model_file import ModelFile
 from lamella.io.results import ResultWriter
@@ -147,9 +148,6 @@ def _raise_failure(done: Finished, folder: Path) -> None:
         return
     assert isinstance(done.computed, Result)
     text = f"analysis '{done.analysis.name}' {done.failure}; what was computed is in '{folder}'"
-    outcome = done.computed.outcome
-    if outcome.cause is Cause.INTERRUPTED:
-        raise KeyboardInterrupt(text)
-    if outcome.cause is Cause.WRITE_FAILED:
+    if done.computed.outcome.cause is Cause.WRITE_FAILED:
         raise ResultFileError(text)
-    raise ConvergenceError(text, outcome, done.computed)
+    raise error_of(done.computed, text)
