@@ -17,7 +17,7 @@ from typing import Any, Protocol, TypeVar, cast
 
 import numba
 from numba.core import event
-from numba.extending import register_jitable
+from numba.extending import overload, register_jitable
 from platformdirs import user_cache_path
 
 from lamella._compiler import InnerCompiler, KernelCache
@@ -123,6 +123,16 @@ def inlined(function: Function) -> Function:
 def inner(function: Function) -> Function:
     """As :func:`inlined`, for one that is called rather than inserted, unless LLVM thinks better of it. Only kernels call it."""
     return register_jitable(pipeline_class=InnerCompiler, **OPTIONS)(function)
+
+
+def compiled_as(function: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Let compiled kernels call, in place of a function, what the decorated one returns for the types of the arguments."""
+    return cast("Any", overload)(function, jit_options={"forceinline": True, **OPTIONS})
+
+
+def is_array(of: Any, numbers: str = "") -> bool:
+    """Whether the type of an argument, as :func:`compiled_as` hands it over, is an array, of numbers of that name if given."""
+    return isinstance(of, numba.types.Array) and (not numbers or of.dtype.name == numbers)
 
 
 class Watch(Protocol):

@@ -2,8 +2,9 @@
 
 Numba maps ``Lane`` to LLVM's ``<WIDTH x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for
 several elements at once; a number combined with a lane counts for all of them. Lanes live in kernels only: they are loaded from
-and stored to consecutive entries of a flat float64 array. They may be loaded from and stored to a float32 array as well, which is
-half as long in memory: what is read becomes float64, what is written is rounded.
+and stored to consecutive entries of a flat float64 array. They may be loaded from and stored to an array of float32 or int16 as
+well, which takes a half or a quarter of the memory: what is read becomes float64, what is written is rounded, to int16 towards
+zero.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from llvmlite import binding, ir
@@ -38,7 +39,6 @@ CACHE_LINE = 8
 """Numbers in a cache line of 64 bytes."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
-_SHORT = ir.VectorType(ir.FloatType(), WIDTH)
 _FLAGS = ("contract", "nsz")
 _BINARY = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
 
@@ -180,33 +180,50 @@ def _overload_power(base, exponent):  # noqa: ANN001, ANN202
     return lambda base, exponent: base**exponent
 
 
-def _is_single(array_type: Any) -> bool:
-    return array_type.dtype == types.float32
+class _Stored(NamedTuple):
+    """How the numbers of an array become those of a lane, and the other way round.
+
+    Args:
+        number: LLVM's type of a number in the array.
+        align: bytes of it.
+        widen, narrow: instructions of the builder; None where the numbers are those of a lane.
+    """
+
+    number: Any
+    align: int
+    widen: str | None = None
+    narrow: str | None = None
+
+
+_STORED = {
+    types.float64: _Stored(ir.DoubleType(), 8),
+    types.float32: _Stored(ir.FloatType(), 4, "fpext", "fptrunc"),
+    types.int16: _Stored(ir.IntType(16), 2, "sitofp", "fptosi"),
+}
+"""Arrays that lanes are loaded from and stored to, by the type of their numbers."""
 
 
 def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
-    vector = _SHORT if _is_single(array_type) else _VECTOR
+    vector = ir.VectorType(_STORED[array_type.dtype].number, WIDTH)
     return builder.bitcast(builder.gep(data, [builder.mul(index, ir.Constant(index.type, stride))]), vector.as_pointer())
 
 
 def _loader(stride: int) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride)
-        if _is_single(sig.args[0]):
-            return builder.fpext(builder.load(pointer, align=4), _VECTOR)
-        return builder.load(pointer, align=8)
+        stored = _STORED[sig.args[0].dtype]
+        found = builder.load(_vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), align=stored.align)
+        return getattr(builder, stored.widen)(found, _VECTOR) if stored.widen else found
 
     return generate
 
 
 def _storer(stride: int) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        pointer, value = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), _as_lane(builder, args[2])
-        if _is_single(sig.args[0]):
-            builder.store(builder.fptrunc(value, _SHORT), pointer, align=4)
-        else:
-            builder.store(value, pointer, align=8)
+        stored, value = _STORED[sig.args[0].dtype], _as_lane(builder, args[2])
+        if stored.narrow:
+            value = getattr(builder, stored.narrow)(value, ir.VectorType(stored.number, WIDTH))
+        builder.store(value, _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), align=stored.align)
         return context.get_dummy_value()
 
     return generate
@@ -240,9 +257,26 @@ def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = cgutils.create_struct_proxy(sig.args[0])(context, builder, args[0]).data
         number = builder.load(builder.gep(data, [args[1]]))
-        return builder.fpext(number, ir.DoubleType()) if _is_single(array) else number
+        return getattr(builder, widen)(number, ir.DoubleType()) if widen else number
 
-    return (types.float64 if _is_single(array) else array.dtype)(array, types.intp), generate
+    widen = _STORED[array.dtype].widen if array.dtype in _STORED else None
+    return (types.float64 if widen else array.dtype)(array, types.intp), generate
+
+
+@intrinsic
+def fetch_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
+    """``fetch_at(array, index)``: bring an entry near, which may lie outside the array, as it will be read soon."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = cgutils.create_struct_proxy(sig.args[0])(context, builder, args[0]).data
+        number, pointer = ir.IntType(32), ir.IntType(8).as_pointer()
+        function_type = ir.FunctionType(ir.VoidType(), [pointer, number, number, number])
+        fetch = cgutils.get_or_insert_function(builder.module, function_type, "llvm.prefetch.p0i8")
+        place = builder.bitcast(builder.gep(data, [args[1]]), pointer)
+        builder.call(fetch, [place, *(ir.Constant(number, x) for x in (0, 3, 1))])  # to read, to the first level, data
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp), generate
 
 
 @intrinsic

@@ -12,7 +12,22 @@ import pytest
 
 from lamella._jit import CACHE_FOLDER, inlined, inner, njit, watched
 from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
-from lamella.lane import WIDTH, aligned, chosen, load, load_at, number_at, power, put_at, spread, sqrt, store, store_at, total
+from lamella.lane import (
+    WIDTH,
+    aligned,
+    chosen,
+    fetch_at,
+    load,
+    load_at,
+    number_at,
+    power,
+    put_at,
+    spread,
+    sqrt,
+    store,
+    store_at,
+    total,
+)
 
 
 @inlined
@@ -56,10 +71,11 @@ def test_lane_arithmetic_equals_that_of_numbers():
 
 
 @njit
-def through(singles, out, back):
-    store(out, 0, load(singles, 1))
-    store(out, 1, load_at(singles, 3))
-    out[2 * WIDTH] = number_at(singles, WIDTH + 2)
+def through(numbers, out, back):
+    fetch_at(numbers, 10**6)
+    store(out, 0, load(numbers, 1))
+    store(out, 1, load_at(numbers, 3))
+    out[2 * WIDTH] = number_at(numbers, WIDTH + 2)
     store(back, 0, load(out, 0) / 3.0)
     store_at(back, WIDTH + 1, load(out, 1) / 3.0)
 
@@ -71,6 +87,15 @@ def test_single_precision_is_widened_when_it_is_read_and_rounded_when_it_is_writ
     np.testing.assert_array_equal(out, [*singles[WIDTH : 2 * WIDTH], *singles[3 : WIDTH + 3], singles[WIDTH + 2]])
     thirds = (out[: 2 * WIDTH] / 3.0).astype(np.float32)
     np.testing.assert_array_equal(back, [*thirds[:WIDTH], -1.0, *thirds[WIDTH:], -1.0])
+
+
+def test_integers_become_numbers_when_they_are_read_and_are_cut_when_they_are_written():
+    integers = np.random.default_rng(1).integers(-(2**15), 2**15, 2 * WIDTH + 1).astype(np.int16)
+    out, back = np.empty(2 * WIDTH + 1), np.full(2 * WIDTH + 2, -1, np.int16)
+    through(integers, out, back)
+    np.testing.assert_array_equal(out, [*integers[WIDTH : 2 * WIDTH], *integers[3 : WIDTH + 3], integers[WIDTH + 2]])
+    thirds = np.trunc(out[: 2 * WIDTH] / 3.0)
+    np.testing.assert_array_equal(back, [*thirds[:WIDTH], -1, *thirds[WIDTH:], -1])
 
 
 @njit

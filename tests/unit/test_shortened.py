@@ -1,4 +1,4 @@
-"""A factorisation that serves for other matrices than its own is read in single precision."""
+"""A factorisation that serves for other matrices than its own is read in single precision, or as integers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,14 @@ from lamella.lane import WIDTH
 from lamella.roles import Floats
 from lamella.solve import panels
 from lamella.solve.linear import linear_solver
-from lamella.solve.multifrontal import Multifrontal
+from lamella.solve.multifrontal import LEAST_PIVOT, Multifrontal
 from lamella.solve.turned import TurnedSolver, Vectors
 
 SINGLE = 1e-5
 """What single precision may leave of a solution: 6e-8 times the condition of these matrices scaled to a diagonal of 1, 20 to 430,
 and no more."""
+INTEGERS = 2.0**-15 * 430
+"""The same of integers: an entry is off by half of one of 32767 parts of the largest in its column."""
 WEIGHTS = Weights(1.0, 1500.0, 4e6)
 
 
@@ -30,14 +32,21 @@ def any_size(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(panels, "SHORTENED", 0)
 
 
+@pytest.fixture(params=[SINGLE, INTEGERS], ids=["single precision", "integers"])
+def left(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> float:
+    """What a factor may leave of a solution, of any size and in each form."""
+    monkeypatch.setattr(panels, "SHORTENED", 0)
+    monkeypatch.setattr(panels, "SCALED", 0 if request.param == INTEGERS else 10**9)
+    return request.param
+
+
 def off(found: Floats, expected: Floats) -> float:
     return float(np.abs(found - expected).max() / np.abs(expected).max())
 
 
-@pytest.mark.usefixtures("any_size")
 @pytest.mark.parametrize("shape", [(2, 2), (7, 5)])
 @pytest.mark.parametrize("definite", [True, False])
-def test_solutions_are_to_single_precision_until_the_next_factorisation(definite: bool, shape: tuple[int, int]) -> None:
+def test_solutions_are_rounded_until_the_next_factorisation(definite: bool, shape: tuple[int, int], left: float) -> None:
     k = plate_like(*shape)
     if not definite:
         k[20, 20] *= -1.0
@@ -49,8 +58,9 @@ def test_solutions_are_to_single_precision_until_the_next_factorisation(definite
         exact, each = factor.solve(r), factor.solve(several)
         assert off(scale * (k @ exact), r) < 1e-10
         factor.shorten()
-        assert 0.0 < off(factor.solve(r), exact) < SINGLE
-        assert 0.0 < off(factor.solve(several), each) < SINGLE
+        assert (factor._scaled is not None) == (left == INTEGERS)
+        for found, expected in ((factor.solve(r), exact), (factor.solve(several), each)):
+            assert left * 1e-5 < off(found, expected) < left
 
 
 @pytest.mark.usefixtures("any_size")
@@ -77,9 +87,8 @@ def test_small_factors_stay_as_they_are() -> None:
     np.testing.assert_array_equal(factor.solve(r), exact)
 
 
-@pytest.mark.usefixtures("any_size")
 @pytest.mark.parametrize("kind", ["definite", "multipliers", "indefinite", "unsymmetric", "unsymmetric with multipliers"])
-def test_constraints_hold_to_rounding(kind: str) -> None:
+def test_constraints_hold_to_rounding(kind: str, left: float) -> None:
     k = indefinite(5, 4) if kind == "indefinite" else plate_like(5, 4)
     if kind.startswith("unsymmetric"):
         k *= 1.0 + 0.2 * np.random.default_rng(6).standard_normal(k.shape)
@@ -92,10 +101,9 @@ def test_constraints_hold_to_rounding(kind: str) -> None:
     exact, multipliers = solver.solve(r, s)
     solver.shorten()
     x, y = solver.solve(r, s)
-    assert off(x, exact) < SINGLE
-    assert off(x, exact) > 0.0
+    assert 0.0 < off(x, exact) < left
     if j is not None:
-        assert off(y, multipliers) < SINGLE
+        assert off(y, multipliers) < left
         assert np.abs(j @ x - s).max() < 1e-14 * (np.abs(j) @ np.abs(x)).max()
 
 
@@ -123,28 +131,31 @@ def test_what_turns_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
     assert 0.0 < off(short, turned) < SINGLE
 
 
-def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatch: pytest.MonkeyPatch, left: float) -> None:
     """Newton's tolerance decides on the end of a motion, not the precision of its corrections."""
     model, method = WORK[1].plate().compile(), lm.GeneralizedAlpha(1e-3, newton=lm.Newton(tolerance=1e-9, keep=0.6))
-    done, shortened, shorten = [], [0], panels.Panels.shorten
+    done, shortened, shorten = [], [0], Multifrontal.shorten
 
-    def counted(factor: panels.Panels) -> None:
-        before = factor.read
+    def counted(factor: Multifrontal) -> None:
+        before = factor._panels.fresh
         shorten(factor)
-        shortened[0] += factor.read is not before
+        shortened[0] += before and not factor._panels.fresh
+        assert factor._panels.fresh or (factor._scaled is not None) == (left == INTEGERS)
 
-    monkeypatch.setattr(panels.Panels, "shorten", counted)
-    for entries in (10**9, 0):
+    monkeypatch.setattr(Multifrontal, "shorten", counted)
+    for entries in (0, 10**9):
         monkeypatch.setattr(panels, "SHORTENED", entries)
+        monkeypatch.setattr(panels, "SCALED", max(entries, panels.SCALED))
         result = lm.simulate(model, 0.05, method)
-        done.append((result.final.q, result.statistics))
-        assert (shortened[0] > 0) == (entries == 0)
-    assert shortened[0] <= done[1][1].factorisations
-    assert done[1][1].newton_iterations == pytest.approx(done[0][1].newton_iterations, rel=0.02)
-    assert off(done[1][0], done[0][0]) < 1e-8
+        done.append((result.final.q, result.statistics, shortened[0]))
+    (short, counts, times), (exact, expected, after) = done
+    assert 0 < times == after <= counts.factorisations
+    # Integers leave 1e-4 to 1e-3 of errors of short waves, which a correction to 1e-9 needs once more now and then.
+    assert counts.newton_iterations == pytest.approx(expected.newton_iterations, rel=0.05 if left == INTEGERS else 0.02)
+    assert off(short, exact) < 1e-8
 
 
-@pytest.mark.usefixtures("any_size")
+@pytest.mark.usefixtures("left")
 @pytest.mark.parametrize("work", [WORK[1], WORK[3]], ids=lambda work: work.name)
 def test_derivatives_are_as_right_as_they_are_asked_for(work) -> None:
     """Products with the exact matrix tell what a short factor of another one lacks."""
@@ -160,3 +171,39 @@ def test_derivatives_are_as_right_as_they_are_asked_for(work) -> None:
     expected, found = exact.solve(r, none)[0], matrix.solve(r, none)[0]
     assert matrix._spent > 0
     assert 0.0 < off(found, expected) < 1e-9
+
+
+@pytest.mark.parametrize("least", [0.5, 1.5])
+def test_small_pivots_forbid_integers(least: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two coordinates apart from the others, coupled by c with a diagonal of 1, have the pivots 1 and 1 - c^2."""
+    for name in ("SHORTENED", "SCALED"):
+        monkeypatch.setattr(panels, name, 0)
+    k = plate_like(4, 4)
+    c = 1.0 - 0.5 * least * LEAST_PIVOT
+    a, b = len(k) - 2, len(k) - 1
+    k[[a, b], :] = k[:, [a, b]] = 0.0
+    k[a, a] = k[b, b] = 1.0
+    k[a, b] = k[b, a] = c
+    pattern, values, _ = pattern_of(k)
+    factor, r = Multifrontal(pattern), np.sin(np.arange(pattern.n))
+    assert factor.factorise(values) == -1
+    exact = factor.solve(r)
+    factor.shorten()
+    assert (factor._scaled is not None) == (least > 1.0)
+    assert not factor._panels.fresh
+    assert off(factor.solve(r), exact) < (0.1 if least > 1.0 else 1e-3)
+
+
+def test_units_of_coordinates_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Integers are shares of columns of a matrix with a diagonal of 1, whatever the units of its rows."""
+    for name in ("SHORTENED", "SCALED"):
+        monkeypatch.setattr(panels, name, 0)
+    k, found = plate_like(5, 5), []
+    for powers in (np.zeros(len(k)), np.arange(len(k)) % 7 - 3):
+        units = 4.0**powers
+        pattern, values, _ = pattern_of(k * units * units[:, None])
+        factor = Multifrontal(pattern)
+        factor.factorise(values)
+        factor.shorten()
+        found.append(units * factor.solve(units * np.sin(np.arange(len(k)))))
+    np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-14 * np.abs(found[0]).max())

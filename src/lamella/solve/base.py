@@ -53,7 +53,7 @@ class LinearSolver(ABC):
         """Solution x (n,), y (n_lam,) for the right-hand side r (n,), s (n_lam,)."""
 
     def shorten(self) -> None:  # noqa: B027 - those that gain nothing by it leave it out
-        """From now on the factorisation serves for matrices near the one that it is of: solve to single precision if faster."""
+        """From now on the factorisation serves for matrices near the one that it is of: solve roughly if faster."""
 
     def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
         """Solutions for several right-hand sides, which may cost less together."""

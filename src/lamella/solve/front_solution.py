@@ -8,7 +8,7 @@ from lamella._jit import inlined, inner, kernel, shared
 from lamella.lane import WIDTH, load_at, number_at, put_at, spread, store_at, total
 from lamella.roles import Floats, Ints
 from lamella.solve.front_kernels import add_entries
-from lamella.solve.panels import Readable
+from lamella.solve.readable import Readable, corner_of, entry_of, fetch_ahead, lane_of, scaled, weighed
 
 
 @inlined
@@ -24,60 +24,67 @@ def _copy(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
 
 
 @inner
-def _forward(a: Readable, a0: int, a_len: int, p: int, y: Floats) -> None:
+def _forward(a: Readable, a0: int, a_len: int, p: int, first: int, y: Floats) -> None:
     """y <- L^-1 y for the pivots, rest of y minus what they cause; four columns at a time, so that y is read and written once."""
     for k in range(0, p, 4):
-        c0 = a0 + k * a_len
+        c0, s, at = a0 + k * a_len, first + k, 4 * (first + k)
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
         y0, y1, y2, y3 = number_at(y, k), number_at(y, k + 1), number_at(y, k + 2), number_at(y, k + 3)
-        x0 = number_at(a, c0 + k) * y0
-        x1 = number_at(a, c1 + k) * y0 + number_at(a, c1 + k + 1) * y1
-        x2 = number_at(a, c2 + k) * y0 + number_at(a, c2 + k + 1) * y1 + number_at(a, c2 + k + 2) * y2
-        x3 = number_at(a, c3 + k) * y0 + number_at(a, c3 + k + 1) * y1
-        x3 += number_at(a, c3 + k + 2) * y2 + number_at(a, c3 + k + 3) * y3
+        x0 = corner_of(a, c0 + k, at) * y0
+        x1 = corner_of(a, c1 + k, at + 4) * y0 + corner_of(a, c1 + k + 1, at + 5) * y1
+        x2 = corner_of(a, c2 + k, at + 8) * y0 + corner_of(a, c2 + k + 1, at + 9) * y1 + corner_of(a, c2 + k + 2, at + 10) * y2
+        x3 = corner_of(a, c3 + k, at + 12) * y0 + corner_of(a, c3 + k + 1, at + 13) * y1
+        x3 += corner_of(a, c3 + k + 2, at + 14) * y2 + corner_of(a, c3 + k + 3, at + 15) * y3
+        f0, f1, f2, f3 = scaled(a, s, x0), scaled(a, s + 1, x1), scaled(a, s + 2, x2), scaled(a, s + 3, x3)
         for row in range(k + 4 - (k + 4) % WIDTH, a_len, WIDTH):  # a lane that begins with pivots is put right below
-            one = load_at(y, row) - x0 * load_at(a, c0 + row) - x1 * load_at(a, c1 + row)
-            store_at(y, row, one - x2 * load_at(a, c2 + row) - x3 * load_at(a, c3 + row))
+            fetch_ahead(a, c0 + 4 * (2 * a_len + row))
+            one = load_at(y, row) - f0 * lane_of(a, c0 + row) - f1 * lane_of(a, c1 + row)
+            store_at(y, row, one - f2 * lane_of(a, c2 + row) - f3 * lane_of(a, c3 + row))
         put_at(y, k, x0), put_at(y, k + 1, x1), put_at(y, k + 2, x2), put_at(y, k + 3, x3)
 
 
 @inner
-def _backward(a: Readable, a0: int, a_len: int, p: int, y: Floats) -> None:
+def _backward(a: Readable, a0: int, a_len: int, p: int, first: int, y: Floats) -> None:
     """y <- L^-T y for the pivots, with the rest of y known."""
     for k in range(p - 4, -1, -4):
-        c0 = a0 + k * a_len
+        c0, s, at = a0 + k * a_len, first + k, 4 * (first + k)
         c1, c2, c3 = c0 + a_len, c0 + 2 * a_len, c0 + 3 * a_len
-        x0, x1, x2, x3 = number_at(y, k), number_at(y, k + 1), number_at(y, k + 2), number_at(y, k + 3)
+        x0, x1, x2, x3 = 0.0, 0.0, 0.0, 0.0
         row = k + 4
         while row % WIDTH:
             known = number_at(y, row)
             x0, x1, x2, x3 = (
-                x0 - number_at(a, c0 + row) * known,
-                x1 - number_at(a, c1 + row) * known,
-                x2 - number_at(a, c2 + row) * known,
-                x3 - number_at(a, c3 + row) * known,
+                x0 + entry_of(a, c0 + row) * known,
+                x1 + entry_of(a, c1 + row) * known,
+                x2 + entry_of(a, c2 + row) * known,
+                x3 + entry_of(a, c3 + row) * known,
             )
             row += 1
         if row < a_len:
             s0, s1, s2, s3 = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
             t0, t1, t2, t3 = s0, s1, s2, s3  # two sums of each, as additions would wait for each other
             while row + WIDTH < a_len:
+                fetch_ahead(a, c0 - 4 * (2 * a_len - row))
+                fetch_ahead(a, c0 - 4 * (2 * a_len - row - WIDTH))
                 known, other = load_at(y, row), load_at(y, row + WIDTH)
-                s0, t0 = s0 + load_at(a, c0 + row) * known, t0 + load_at(a, c0 + row + WIDTH) * other
-                s1, t1 = s1 + load_at(a, c1 + row) * known, t1 + load_at(a, c1 + row + WIDTH) * other
-                s2, t2 = s2 + load_at(a, c2 + row) * known, t2 + load_at(a, c2 + row + WIDTH) * other
-                s3, t3 = s3 + load_at(a, c3 + row) * known, t3 + load_at(a, c3 + row + WIDTH) * other
+                s0, t0 = s0 + lane_of(a, c0 + row) * known, t0 + lane_of(a, c0 + row + WIDTH) * other
+                s1, t1 = s1 + lane_of(a, c1 + row) * known, t1 + lane_of(a, c1 + row + WIDTH) * other
+                s2, t2 = s2 + lane_of(a, c2 + row) * known, t2 + lane_of(a, c2 + row + WIDTH) * other
+                s3, t3 = s3 + lane_of(a, c3 + row) * known, t3 + lane_of(a, c3 + row + WIDTH) * other
                 row += 2 * WIDTH
             if row < a_len:
                 known = load_at(y, row)
-                s0, s1 = s0 + load_at(a, c0 + row) * known, s1 + load_at(a, c1 + row) * known
-                s2, s3 = s2 + load_at(a, c2 + row) * known, s3 + load_at(a, c3 + row) * known
-            x0, x1, x2, x3 = x0 - total(s0 + t0), x1 - total(s1 + t1), x2 - total(s2 + t2), x3 - total(s3 + t3)
-        y0 = number_at(a, c0 + k) * x0 + number_at(a, c1 + k) * x1
-        y1 = number_at(a, c1 + k + 1) * x1 + number_at(a, c2 + k + 1) * x2 + number_at(a, c3 + k + 1) * x3
-        y2 = number_at(a, c2 + k + 2) * x2 + number_at(a, c3 + k + 2) * x3
-        y0 += number_at(a, c2 + k) * x2 + number_at(a, c3 + k) * x3
-        y3 = number_at(a, c3 + k + 3) * x3
+                s0, s1 = s0 + lane_of(a, c0 + row) * known, s1 + lane_of(a, c1 + row) * known
+                s2, s3 = s2 + lane_of(a, c2 + row) * known, s3 + lane_of(a, c3 + row) * known
+            x0, x1, x2, x3 = x0 + total(s0 + t0), x1 + total(s1 + t1), x2 + total(s2 + t2), x3 + total(s3 + t3)
+        x0, x1 = number_at(y, k) - scaled(a, s, x0), number_at(y, k + 1) - scaled(a, s + 1, x1)
+        x2, x3 = number_at(y, k + 2) - scaled(a, s + 2, x2), number_at(y, k + 3) - scaled(a, s + 3, x3)
+        y0 = corner_of(a, c0 + k, at) * x0 + corner_of(a, c1 + k, at + 4) * x1
+        y1 = corner_of(a, c1 + k + 1, at + 5) * x1 + corner_of(a, c2 + k + 1, at + 9) * x2
+        y1 += corner_of(a, c3 + k + 1, at + 13) * x3
+        y2 = corner_of(a, c2 + k + 2, at + 10) * x2 + corner_of(a, c3 + k + 2, at + 14) * x3
+        y0 += corner_of(a, c2 + k, at + 8) * x2 + corner_of(a, c3 + k, at + 12) * x3
+        y3 = corner_of(a, c3 + k + 3, at + 15) * x3
         put_at(y, k, y0), put_at(y, k + 1, y1), put_at(y, k + 2, y2), put_at(y, k + 3, y3)
 
 
@@ -99,7 +106,7 @@ def _forward_fronts(
             for r in range(fronts[child, 8], fronts[child + 1, 8]):
                 add_entries(y, runs[r, 1], rest, fronts[child, 7] + runs[r, 0], runs[r, 2])
             child = fronts[child, 10]
-        _forward(a, a0, a_len, p, y)
+        _forward(a, a0, a_len, p, first, y)
         for i in range(p):
             put_at(x, first + i, number_at(y, i) * number_at(signs, first + i))
         _copy(rest, start, y, p, n)
@@ -122,7 +129,7 @@ def _backward_fronts(order: Ints, fronts: Ints, rows: Ints, c: Readable, x: Floa
             put_at(y, p + i, number_at(x, number_at(rows, start + i)))
         for i in range(p + n, a_len):
             put_at(y, i, 0.0)
-        _backward(c, a0, a_len, p, y)
+        _backward(c, a0, a_len, p, first, y)
         _copy(x, first, y, 0, p)
 
 
@@ -161,18 +168,15 @@ def solve(
 
 
 @kernel
-def spread_positions(r: Floats, position: Ints, x: Floats) -> None:
-    """x <- r by position, zero where a position fills up."""
-    x[:] = 0.0
-    for i in range(len(r)):
-        x[position[i]] = r[i]
+def spread_positions(r: Floats, a: Readable, position: Ints, x: Floats) -> None:
+    """x <- r by position, zero where a position fills up; in the units of the panels."""
+    _spread_positions(r, a, position, x)
 
 
 @kernel
-def gather_coordinates(x: Floats, position: Ints, out: Floats) -> None:
-    """out <- x by coordinate."""
-    for i in range(len(out)):
-        out[i] = x[position[i]]
+def gather_coordinates(x: Floats, a: Readable, position: Ints, out: Floats) -> None:
+    """out <- x by coordinate, from the units of the panels."""
+    _gather_coordinates(x, a, position, out)
 
 
 @kernel
@@ -181,9 +185,19 @@ def solve_coordinates(
     x: Floats, rest: Floats, y: Floats, out: Floats,
 ) -> None:  # fmt: skip
     """out <- (L S L^T)^-1 r, both by coordinate; ``x`` is a workspace by position, ``position`` that of each coordinate."""
+    _spread_positions(r, a, position, x)
+    _solve(order, fronts, rows, runs, a, a, signs, x, rest, y)
+    _gather_coordinates(x, a, position, out)
+
+
+@inlined
+def _spread_positions(r: Floats, a: Readable, position: Ints, x: Floats) -> None:
     x[:] = 0.0
     for i in range(len(r)):
-        x[position[i]] = r[i]
-    _solve(order, fronts, rows, runs, a, a, signs, x, rest, y)
+        x[position[i]] = weighed(a, i, r[i])
+
+
+@inlined
+def _gather_coordinates(x: Floats, a: Readable, position: Ints, out: Floats) -> None:
     for i in range(len(out)):
-        out[i] = x[position[i]]
+        out[i] = weighed(a, i, x[position[i]])

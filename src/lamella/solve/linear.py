@@ -68,7 +68,7 @@ class AutomaticSolver(LinearSolver):
         self._active = self._general
 
     def shorten(self) -> None:
-        """Solve to single precision from now on."""
+        """Solve roughly from now on."""
         self._active.shorten()
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:

@@ -129,7 +129,7 @@ class SchurSolver(LinearSolver):
         return -1, int(np.count_nonzero(values < 0))
 
     def shorten(self) -> None:
-        """Solve to single precision from now on; constraints hold to rounding all the same."""
+        """Solve roughly from now on; constraints hold to rounding all the same."""
         self._factor.shorten()
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
