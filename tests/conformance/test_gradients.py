@@ -16,7 +16,7 @@ from lamella.assembly import product
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Weights
 from lamella.assembly.product import TangentProduct
-from lamella.differentiation import chain, exact_matrix
+from lamella.differentiation import chain, exact_matrix, motion
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.motion import DifferentiatedAlpha, DifferentiatedStepper
 from lamella.differentiation.neighbours import neighbours_of
@@ -238,13 +238,16 @@ def test_motion_of_a_damped_plate(damping: float, monkeypatch: pytest.MonkeyPatc
 
 
 def test_run_with_derivatives_goes_on_with_their_matrices() -> None:
+    """It needs few of its own, and less work than alone, in iterations, of which a matrix takes some."""
     method = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8)
     equations = Equations(damped(damping=0.0).compile())
     force = neighbours_of("force", equations, -20.0, 20.0, lambda force: damped(damping=0.0, force=force))
     alone = lm.simulate(equations, 0.1, method)
     along = lm.simulate(equations, 0.1, DifferentiatedAlpha(method, [force], None, lambda *_: None))
-    assert along.statistics.factorisations <= 0.2 * alone.statistics.factorisations
-    assert along.statistics.newton_iterations <= alone.statistics.newton_iterations
+    per_matrix = exact_matrix._products_for(linear_solver(equations.matrix.pattern))
+    work = [run.statistics.newton_iterations + per_matrix * run.statistics.factorisations for run in (along, alone)]
+    assert along.statistics.factorisations <= 0.25 * alone.statistics.factorisations
+    assert work[0] <= 0.9 * work[1]
     np.testing.assert_allclose(along["tip.position"].values, alone["tip.position"].values, atol=1e-5)  # 0.5 m long
 
 
@@ -316,7 +319,7 @@ def test_matrices_of_derivatives_pay(monkeypatch: pytest.MonkeyPatch, thickness:
     own = cost()
     monkeypatch.setattr(exact_matrix, "_products_for", lambda _: 1e6)
     seldom = cost()
-    monkeypatch.setattr(ExactMatrix, "follow", ExactMatrix.factorise)
+    monkeypatch.setattr(ExactMatrix, "follow", lambda self, point, weights, _: self.factorise(point, weights))
     always = cost()
     assert counts["factorise"] >= 100
     assert own <= 1.1 * min(seldom, always), (own, seldom, always)
@@ -329,8 +332,8 @@ def test_derivatives_by_a_length_begin_with_the_stretch_of_the_membrane(monkeypa
     length = neighbours_of("length", equations, 0.5, 0.5, lambda length: plate(length=length))
     alpha = lm.GeneralizedAlpha(dt=1e-3, newton=lm.Newton(tolerance=1e-8, max_iterations=50, keep=0.6))
     monkeypatch.setattr(exact_matrix, "_products_for", lambda _: 1e6)
-    for guess in (DifferentiatedStepper._guess, lambda *_: None):
-        monkeypatch.setattr(DifferentiatedStepper, "_guess", guess)
+    for guess in (DifferentiatedStepper._from_first, lambda *_: None):
+        monkeypatch.setattr(DifferentiatedStepper, "_from_first", guess)
         counts.clear()
         last: list[PointDerivative] = []
         method = DifferentiatedAlpha(alpha, [length], None, lambda _, known, last=last: last.extend(known))
@@ -564,12 +567,31 @@ def test_factorisation_of_an_earlier_point_serves_a_later_one(
     r, none = np.sin(np.arange(near.n_u)), np.zeros(0)
     held.solve(r, none)
     solver.turn(late.u)
-    held.follow(late, weights)
+    held.follow(late, weights, iterations=3)
     assert held.renewed is None
     found = held.solve(r, none)[0] / near.magnitude
     matrix = ExactMatrix(exact)
     matrix.factorise(late, weights)
     expected = matrix.solve(r, none)[0] / near.magnitude
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
-    held.follow(early, weights)
+    held.follow(early, weights, iterations=3)
     assert held.renewed is not None  # as the last point took too many products
+
+
+def test_what_a_step_lacks_is_owed_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Derivatives without damping that lack a thousandth of their energy in each step: a push, which slow vibrations go on with,
+    unless the next step pushes back. Of 200 steps it leaves a fifth.
+    """
+    plate = functools.partial(damped, thickness=4e-3, damping=0.0, mesh=(6, 4))
+    alpha = lm.GeneralizedAlpha(dt=1e-3, newton=lm.Newton(tolerance=1e-9, max_iterations=50, keep=0.6))
+    swing, tip = (lm.Motion("swing", 0.2, alpha),), {"tip": lm.SignalOutput("tip.position", component="z")}
+
+    def derivative(share: float) -> float:
+        monkeypatch.setattr(motion, "OF_ENERGY", share / alpha.newton.tolerance)
+        return float(lm.gradient(plate, {"force": -20.0}, tip, analyses=swing)["tip", "force"])
+
+    exact, errors = derivative(1e-12), []
+    for paid in (DifferentiatedStepper._paid, lambda *_: [None]):
+        monkeypatch.setattr(DifferentiatedStepper, "_paid", paid)
+        errors.append(abs(derivative(1e-3) - exact))
+    assert 0.0 < errors[0] < 0.5 * errors[1], errors

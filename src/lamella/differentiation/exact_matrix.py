@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.assembly.product import TangentProduct
 from lamella.differentiation.renewal import Renewal
-from lamella.differentiation.residuals import ConjugateResiduals
+from lamella.differentiation.residuals import LEAST, ConjugateResiduals
 from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
@@ -20,17 +21,22 @@ from lamella.solve.linear import linear_solver
 
 ENOUGH = 3e-10
 """What a solution may lack, as a share of it, unless another share is given."""
-LEAST = 1e-12
-"""The same, below which rounding lies."""
 MOST = 24
 """Products of a solution beyond which a new factorisation costs less."""
 
 
 def _products_for(linear: LinearSolver) -> float:
-    """How many products with substitutions take as long as a new matrix and its factorisation, less what Newton's method saves by
-    it: 6 on 6x6 elements, 12 on 24x16, where half and twice as many make little difference.
+    """How many products with substitutions take as long as a new matrix and its factorisation, less what these save elsewhere:
+    9 on 6x6 elements, 18 on 24x16, where half and twice as many make little difference.
     """
-    return 3.0 + 0.1 * linear.work_per_entry
+    return 4.0 + 0.15 * linear.work_per_entry
+
+
+class Remainder(NamedTuple):
+    """What a solution x of A x = b lacks: b - A x = force - A left, with ``left`` near A^-1 ``force``."""
+
+    force: Floats
+    left: Floats
 
 
 class ExactMatrix:
@@ -51,6 +57,7 @@ class ExactMatrix:
 
     Attributes:
         enough: what a solution may lack, as a share of it; it is improved once more then and no further.
+        remainders: of the solutions of :meth:`solve_each`; None where they are right, or solved by magnitudes.
         renewed: values of the matrix that was factorised for the present point, in the pattern's order; None where the one that
             the solver held serves.
 
@@ -68,6 +75,8 @@ class ExactMatrix:
         self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
         self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
         self._outlasts = equations.multiplies and not equations.n_lam
+        self._remainder: Remainder | None = None
+        self.remainders: list[Remainder | None] = []
 
     def factorise(self, point: Point, weights: Weights) -> None:
         """Factorise alpha_q K + alpha_v D + alpha_a M with the constraints at a point.
@@ -87,12 +96,16 @@ class ExactMatrix:
         if self._unsymmetric is not None:
             self._unsymmetric.factorise(point, weights)
 
-    def follow(self, point: Point, weights: Weights) -> None:
+    def follow(self, point: Point, weights: Weights, iterations: int) -> None:
         """Go to a point with the factorisation that the solver holds of one before, or with a new one where that pays.
 
         A new one is needed where constraints have multipliers.
+
+        Args:
+            point, weights: where.
+            iterations: by which the point was reached with the factorisation at hand; they count as products.
         """
-        pays = self._renewal.pays(self._spent, new=self.renewed is not None)
+        pays = self._renewal.pays(self._spent + iterations, new=self.renewed is not None)
         if self._outlasts and not pays:
             self._begin(point, weights)
         else:
@@ -103,6 +116,17 @@ class ExactMatrix:
         self._spent = 0
         self._residuals.forget()
 
+    @property
+    def by_energy(self) -> bool:
+        """Whether solutions at the present point are measured by their energy, where A is symmetric and B near it, of an earlier
+        point; to be set before they are asked for.
+        """
+        return self._residuals.by_energy
+
+    @by_energy.setter
+    def by_energy(self, wanted: bool) -> None:
+        self._residuals.by_energy = wanted and self._outlasts and self.equations.is_exact
+
     def solve(self, r: Floats, s: Floats, guess: Floats | None = None) -> tuple[Floats, Floats]:
         """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for.
 
@@ -110,35 +134,47 @@ class ExactMatrix:
             r, s: changes of the residual and of the constraints.
             guess: what the change of the unknowns may be near to, if known.
         """
+        self._remainder = None
         if self._unsymmetric is not None:
             return self._unsymmetric.solve(r, s)
         if self.equations.is_exact and self.renewed is not None:
             return self.linear.solve(-r, -s)
-        z = None if guess is None else _joined(guess, self._nothing[1])
-        return self._improved(r, s, z, _joined(*self.linear.solve(-r, -s)) if z is None else self._lacking(r, s, z))
+        if guess is None:
+            return self._improved(r, s, None, _joined(*self.linear.solve(-r, -s)), -r)
+        z = _joined(guess, self._nothing[1])
+        return self._improved(r, s, z, *self._lacking(r, s, z))
 
     def solve_each(self, changes: Sequence[tuple[Floats, Floats, Floats | None]]) -> list[tuple[Floats, Floats]]:
         """The same for several changes with their guesses, whose first substitutions go together."""
-        if self._unsymmetric is not None or not self.equations.multiplies or len(changes) == 1:
-            return [self.solve(*each) for each in changes]
-        if self.equations.is_exact and self.renewed is not None:
+        if self._unsymmetric is None and self.equations.is_exact and self.renewed is not None:
+            self.remainders = [None] * len(changes)
             return self.linear.solve_each([(-r, -s) for r, s, _ in changes])
+        self.remainders = []
+        if self._unsymmetric is not None or not self.equations.multiplies or len(changes) == 1:
+            return [self._noted(self.solve(*each)) for each in changes]
         starts = [(r, s, None if guess is None else _joined(guess, self._nothing[1])) for r, s, guess in changes]
-        lefts = self.linear.solve_each([(-r, -s) if z is None else self._rest(r, s, z) for r, s, z in starts])
+        rests = [(-r, -s) if z is None else self._rest(r, s, z) for r, s, z in starts]
+        lefts = self.linear.solve_each(rests)
         renewed, found = self.renewed, []
-        for start, left, change in zip(starts, lefts, changes, strict=True):
+        for start, left, rest, change in zip(starts, lefts, rests, changes, strict=True):
             same = self.renewed is renewed and self._unsymmetric is None  # else another matrix had to be factorised on the way
-            found.append(self._improved(*start, _joined(*left)) if same else self.solve(*change))
+            x = self._improved(*start, _joined(*left), rest[0]) if same else self.solve(*change)
+            found.append(self._noted(x))
         return found
 
-    def _improved(self, r: Floats, s: Floats, z: Floats | None, left: Floats) -> tuple[Floats, Floats]:
+    def _noted(self, solution: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+        self.remainders.append(self._remainder)
+        return solution
+
+    def _improved(self, r: Floats, s: Floats, z: Floats | None, left: Floats, force: Floats) -> tuple[Floats, Floats]:
         """The solution from its start z, or from zero, and what is left there."""
         known, learnt, enough = self._residuals, 0, max(self.enough, LEAST)
-        lacking = known.begin(z, left)
-        while not lacking <= enough and learnt < MOST:
-            lacking = known.improve(self._lacking(*self._nothing, known.left))
+        lacking = known.begin(z, left, force)
+        while not lacking <= enough and learnt < MOST and not np.isnan(lacking):
+            lacking = known.improve(*self._lacking(*self._nothing, known.left))
             learnt += 1
         if lacking <= enough:
+            self._remainder = Remainder(known.force.copy(), known.left.copy()) if self.by_energy else None
             z = known.solution()
             return z[: len(r)], z[len(r) :]
         if self.renewed is None:
@@ -183,10 +219,11 @@ class ExactMatrix:
 
         return times
 
-    def _lacking(self, r: Floats, s: Floats, z: Floats) -> Floats:
-        """-B^-1 ((r, s) + A z)."""
-        x = _joined(*self.linear.solve(*self._rest(r, s, z)))
-        return x if self.equations.multiplies else x - z
+    def _lacking(self, r: Floats, s: Floats, z: Floats) -> tuple[Floats, Floats]:
+        """-B^-1 ((r, s) + A z), and of the unknowns -(r + A z) where products with A are at hand."""
+        rest = self._rest(r, s, z)
+        x = _joined(*self.linear.solve(*rest))
+        return (x if self.equations.multiplies else x - z), rest[0]
 
     def _rest(self, r: Floats, s: Floats, z: Floats) -> tuple[Floats, Floats]:
         """-((r, s) + A z), or -((r, s) + (A - B) z) where the matrix at hand is the symmetric part of A."""

@@ -11,8 +11,8 @@ import numpy as np
 
 from lamella._jit import njit
 from lamella.assembly.equations import Equations
-from lamella.assembly.point import Point
-from lamella.differentiation.exact_matrix import ExactMatrix
+from lamella.assembly.point import Point, Weights
+from lamella.differentiation.exact_matrix import ExactMatrix, Remainder
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.prediction import Prediction
 from lamella.differentiation.solution import (
@@ -35,9 +35,13 @@ from lamella.state import State
 
 SHARE = 0.1
 """Of the tolerance of Newton's method, which the derivative of a damped motion may lack. With all of it forces across the stiff
-direction, which nearly vanish, lose up to a hundred times what Newton's own error takes from them; without damping, where the
-derivative may lack all of it, that error takes as much (docs/decisions/0022-gradients.md)."""
+direction, which nearly vanish, lose up to a hundred times what Newton's own error takes from them."""
+OF_ENERGY = 3.0
+"""The same of a motion without damping, for the square root of the energy: that error takes as much from it and more
+(docs/decisions/0022-gradients.md)."""
 
+Change = tuple[Floats, Floats, Floats | None]
+"""Of residual and constraints, and what the derivative may be near to."""
 Sample = Callable[[Point, Sequence[PointDerivative]], None]
 """Takes each point of a run with its derivatives."""
 
@@ -108,12 +112,15 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     with the exact matrix A at u', for all parameters by one factorisation, that of the step or of one before
     (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at
     u' (:func:`~lamella.differentiation.solution.residual_difference`). It is solved to a tenth of the tolerance of Newton's
-    method, or without damping to all of it: the error in u' moves a derivative by more. Steps keep the lengths that they have.
-    What the estimate by constant acceleration was off by in the last steps tells how far it is off now, where motion is damped
-    (:class:`~lamella.differentiation.prediction.Prediction`). Where it is not, the derivative by a parameter that moves places
-    begins with that of the start, turned with the nodes of the plates: a length stretches the membrane wherever it is. Newton's
-    method goes on with a matrix that the derivatives have factorised; where they do with its own, the run is the same to the last
-    digit.
+    method: the error in u' moves a derivative by more. Steps keep the lengths that they have. What the estimate by constant
+    acceleration was off by in the last steps tells how far it is off now, where motion is damped
+    (:class:`~lamella.differentiation.prediction.Prediction`).
+
+    Where it is not, a derivative is measured by its energy, and what a step lacks, b - A du', is added to the b of the next: a
+    force that a slow vibration would answer to hundreds of times is followed by its opposite. The derivative by a parameter that
+    moves places begins with that of the start, turned with the nodes of the plates: a length stretches the membrane wherever it
+    is. Newton's method goes on with a matrix that the derivatives have factorised; where they do with its own, the run is the
+    same to the last digit.
     """
 
     def __init__(self, made: DifferentiatedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
@@ -132,6 +139,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         nodes = self.vectors.nodes
         self._turns = NodeTurns(nodes) if nodes is not None and len(nodes.slopes) else None
         self._at_first: list[Floats | None] = []
+        self._iterations = statistics.newton_iterations
+        self._owed: list[Remainder | None] = []
+        self._owed_for: Weights | None = None
 
     def restart(self, point: Point) -> None:
         """As the method does; at the start of a run the derivatives are those of the initial state."""
@@ -150,6 +160,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         self.derivatives = rates_derivative(self.matrix, point, self.neighbours, self.derivatives)
         for each in self._predictions:
             each.forget()
+        self._owed = []
         self._algorithmic = [each.udd.copy() for each in self.derivatives]
         self._rules = [copy(self.fields) for _ in self.derivatives]
         for rule, each in zip(self._rules, self.derivatives, strict=True):
@@ -163,11 +174,12 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     def accept(self) -> Point:
         """Make the step final, and differentiate it."""
         assert self._new is not None, "accept follows a converged step"
-        dt = self._new[3]
+        dt, done = self._new[3], self.statistics.newton_iterations
         point = super().accept()
         weights = self.weights(dt)
+        iterations, self._iterations = done - self._iterations, done
         if self._turn_to(point, weights):
-            self.matrix.follow(point, weights)
+            self.matrix.follow(point, weights, iterations)
         else:
             self.matrix.factorise(point, weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
@@ -180,9 +192,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             weights.alpha_v,
             weights.alpha_a,
         )
-        unsteady = all(prediction.unsteady for prediction in self._predictions)
-        self.matrix.enough = self._tolerance if unsteady else SHARE * self._tolerance
-        changes, rates = [], []
+        owed = self._paid(weights)
+        changes: list[Change] = []
+        rates = []
         for k, (each, old, a, rule) in enumerate(
             zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
         ):
@@ -192,27 +204,52 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
                 value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
                 ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
             dr, ds = residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam))
-            changes.append((dr, ds, self._guess(k, base, point)))
+            if (lacking := owed[k]) is not None:
+                dr -= lacking.force
+            changes.append((dr, ds, self._predictions[k].guess(base)))
             rates.append((base, ud0, udd0))
+        changes = self._measured(changes, point)
         for k, ((du, dlam), (base, ud, udd)) in enumerate(zip(self.matrix.solve_each(changes), rates, strict=True)):
+            if (lacking := owed[k]) is not None:
+                du = du - lacking.left
             self._predictions[k].learn(base, du)
             old, a, rule, a_new = self.derivatives[k], self._algorithmic[k], self._rules[k], np.empty_like(du)
             _renewed(du, old.udd, a, n, weights.alpha_v, weights.rate, weights.alpha_a, *self._shares, ud, udd, a_new)
             self.derivatives[k], self._algorithmic[k] = PointDerivative(du, ud, udd, dlam), a_new
             if n < len(a):
                 rule.accept(dt, rule.algorithmic(old.ud[n:], ud[n:]))
+        self._owed, self._owed_for = self.matrix.remainders, weights
         if self.matrix.renewed is not None:
             self._adopt(self.matrix.renewed, point, weights)
         self._take_note(point)
         return point
 
-    def _guess(self, k: int, estimate: Floats, point: Point) -> Floats | None:
-        """What the derivative by parameter number k may be near to, if known."""
-        guess, at_first = self._predictions[k].guess(estimate), self._at_first[k]
-        if guess is None and at_first is not None and self._turns is not None:
-            self._turns.turn(point.u)
-            guess = self._turns.forth(at_first)
-        return guess
+    def _paid(self, weights: Weights) -> list[Remainder | None]:
+        """What the last step lacks and this one makes up for: nothing after a step of another length, with another matrix."""
+        owed, paid = self._owed, self._owed_for == weights
+        return owed if owed and paid else [None] * len(self.neighbours)
+
+    def _measured(self, changes: list[Change], point: Point) -> list[Change]:
+        """The changes with what is known to begin with, where nothing is predicted; chooses how derivatives are measured, and how
+        much they may lack.
+
+        By energy the derivative by a parameter that moves places is all stretch of the membrane: it is measured beside that.
+        """
+        predicted = any(guess is not None for _, _, guess in changes)
+        starts = [self._from_first(k, point) for k in range(len(changes))] if not predicted else []
+        moved = [at_first is not None for at_first in self._at_first]
+        self.matrix.by_energy = not predicted and moved == [start is not None for start in starts]
+        unsteady = all(prediction.unsteady for prediction in self._predictions)
+        self.matrix.enough = (OF_ENERGY if self.matrix.by_energy else 1.0 if unsteady else SHARE) * self._tolerance
+        return changes if predicted else [(dr, ds, start) for (dr, ds, _), start in zip(changes, starts, strict=True)]
+
+    def _from_first(self, k: int, point: Point) -> Floats | None:
+        """What the derivative by parameter number k may be near to, from that at the start, if it moves places."""
+        at_first = self._at_first[k]
+        if at_first is None or self._turns is None:
+            return None
+        self._turns.turn(point.u)
+        return self._turns.forth(at_first)
 
     def _take_note(self, point: Point) -> None:
         self.sample(point, self.derivatives)

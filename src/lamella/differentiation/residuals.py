@@ -8,54 +8,98 @@ import numpy as np
 
 from lamella._jit import inner, kernel
 from lamella.lane import WIDTH, number_at, put_at
-from lamella.lane_rows import add_row, set_row, weighed_dot
+from lamella.lane_rows import add_row, dot, set_row, weighed_dot
 from lamella.roles import Floats
+
+LEAST = 1e-12
+"""What a solution may lack in any case, as a share of it: below lies rounding."""
+
+AT_BEST = 0.02
+"""Share of what is left that the next direction is expected to leave at least, however little the last one has left by chance."""
 
 
 class ConjugateResiduals:
-    """Solves C z = b for several b: keeps the directions p, whose images C p are orthonormal, from one b to the next.
+    """Solves C z = B^-1 b with C = B^-1 A for several b: keeps the directions p with their images C p, which are orthonormal,
+    from one b to the next.
 
-    With ``left`` = b - C z each direction that is added is ``left`` itself, made conjugate to those before. Scalar products are
-    those of unknowns in their magnitudes; multipliers do not count.
+    With ``left`` = B^-1 (b - A z) each direction that is added is ``left`` itself, made conjugate to those before. Scalar
+    products are those of unknowns in their magnitudes, or by their energy, x . B y, where products with A are at hand:
+    C p . B C q = C p . A q. Of a plate, whose membrane is stiffer than its bending by orders of magnitude, the second needs half
+    as many directions for the same forces. Multipliers do not count.
 
     Args:
         per_magnitude: 1 / magnitude of each unknown, shape (n,).
         n_lam: number of multipliers, behind them.
         most: directions that are kept; the next one begins anew.
 
+    Attributes:
+        by_energy: whether scalar products are those of energy; to be changed before the first direction is added.
+
     Source: S. C. Eisenstat, H. C. Elman, M. H. Schultz, SIAM J. Numer. Anal. 20 (1983) 345-357, algorithm GCR.
     """
 
     def __init__(self, per_magnitude: Floats, n_lam: int, most: int) -> None:
-        self._most, self._known, n = most, 0, len(per_magnitude) + n_lam
+        self._most, self._known, self._n = most, 0, len(per_magnitude)
+        n = self._n + n_lam
         padded = -(-n // WIDTH) * WIDTH
         self._weights = np.zeros(padded)
-        self._weights[: len(per_magnitude)] = per_magnitude**2
-        self._z, self._left = np.zeros(padded), np.zeros(padded)
-        self._directions, self._images = np.zeros((2, most * padded))
+        self._weights[: self._n] = per_magnitude**2
+        self._z, self._left, self._force = np.zeros((3, padded))
+        self._directions, self._images, self._forces = np.zeros((3, most * padded))
         self.left = self._left[:n]
         """What is left now, shape (n,)."""
+        self.force = self._force[: self._n]
+        """b - A z, of the unknowns alone, where scalar products are those of energy."""
         self._solution = self._z[:n]
+        self._vectors = self._z, self._left, self._force, self._directions, self._images, self._forces, self._weights
+        self.by_energy, self._whole, self._last = False, 0.0, 0.0
 
     def forget(self) -> None:
         """C is another one."""
         self._known = 0
 
-    def begin(self, z: Floats | None, left: Floats) -> float:
-        """Start from z, or from zero, with what is left there; how much of it is left beside what is known, as a share of z."""
+    def begin(self, z: Floats | None, left: Floats, force: Floats) -> float:
+        """Start from z, or from zero, with what is left there.
+
+        Args:
+            z, left: see above.
+            force: b - A z of the unknowns; used where scalar products are those of energy.
+
+        Returns:
+            How much the solution will lack beside what is known: as a share of z, or by energy of what is left here.
+        """
         if z is None:
             self._z[:] = 0.0
         else:
             self._solution[:] = z
         self.left[:] = left
-        return _begin(self._z, self._left, self._known, self._directions, self._images, self._weights)
+        if self.by_energy:
+            self.force[:] = force
+        self._whole, self._last = _begin(self._known, *self._vectors, self.by_energy), 0.0
+        return self._lacking()
 
-    def improve(self, lacking: Floats) -> float:
-        """Add the direction ``left`` with its image C left = -``lacking``; how much is left then, as a share of z."""
+    def improve(self, lacking: Floats, rest: Floats) -> float:
+        """Add the direction ``left``, of which C left = -``lacking`` and A left = -``rest``.
+
+        Returns:
+            How much the solution will lack then; not a number where an energy is not positive.
+        """
         if self._known == self._most:
             self._known = 0
         self._known += 1
-        return _improve(lacking, self._z, self._left, self._known - 1, self._directions, self._images, self._weights)
+        if not _improve(lacking, rest, self._known - 1, *self._vectors, self.by_energy):
+            return np.nan
+        return self._lacking()
+
+    def _lacking(self) -> float:
+        """By energy each direction leaves a like share: what the last one has left is what the solution gains by ``left``."""
+        of_magnitudes, energy = _shares(*self._vectors[:3], self._weights)
+        if not self.by_energy or of_magnitudes <= LEAST:
+            return of_magnitudes
+        share = sqrt(energy / self._whole) if energy >= 0.0 and self._whole > 0.0 else np.nan
+        left = min(1.0, max(share / self._last, AT_BEST)) if self._last else 1.0
+        self._last = share
+        return left * share
 
     def solution(self) -> Floats:
         """z with what is left, as if C were the identity, shape (n,)."""
@@ -63,43 +107,67 @@ class ConjugateResiduals:
 
 
 @kernel
-def _begin(z: Floats, left: Floats, known: int, directions: Floats, images: Floats, weights: Floats) -> float:
+def _begin(
+    known: int, z: Floats, left: Floats, force: Floats, directions: Floats, images: Floats, forces: Floats, weights: Floats,
+    by_energy: bool,
+) -> float:  # fmt: skip
+    """Take what is known into z; the square of what was left before."""
+    n = len(left)
+    if not by_energy:
+        for i in range(n):
+            put_at(force, i, number_at(weights, i) * number_at(left, i))
+    whole = dot(left, 0, force, 0, n)
     for k in range(known):
-        _take(z, left, k, directions, images, weights)
-    return _share(z, left, weights)
+        _take(z, left, force, k, directions, images, forces)
+    return whole
 
 
 @kernel
 def _improve(
-    lacking: Floats, z: Floats, left: Floats, k: int, directions: Floats, images: Floats, weights: Floats
-) -> float:  # fmt: skip
-    """Direction number k is made conjugate to those before, its image of length 1."""
+    lacking: Floats, rest: Floats, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, images: Floats,
+    forces: Floats, weights: Floats, by_energy: bool,
+) -> bool:  # fmt: skip
+    """Direction number k is made conjugate to those before, its image of length 1; whether that has one."""
     n = len(left)
     at = k * n
     set_row(directions, at, 1.0, left, 0, n)
     for i in range(len(lacking)):
         put_at(images, at + i, -number_at(lacking, i))
+    if by_energy:
+        for i in range(len(rest)):
+            put_at(forces, at + i, -number_at(rest, i))
+    else:
+        for i in range(n):
+            put_at(forces, at + i, number_at(weights, i) * number_at(images, at + i))
     for before in range(0, at, n):
-        share = weighed_dot(images, before, images, at, weights)
+        share = dot(forces, before, images, at, n)
         add_row(directions, at, -share, directions, before, n)
         add_row(images, at, -share, images, before, n)
-    factor = 1.0 / sqrt(weighed_dot(images, at, images, at, weights))
+        add_row(forces, at, -share, forces, before, n)
+    size = dot(forces, at, images, at, n)
+    if not size > 0.0:
+        return False
+    factor = 1.0 / sqrt(size)
     set_row(directions, at, factor, directions, at, n)
     set_row(images, at, factor, images, at, n)
-    _take(z, left, k, directions, images, weights)
-    return _share(z, left, weights)
+    set_row(forces, at, factor, forces, at, n)
+    _take(z, left, force, k, directions, images, forces)
+    return True
 
 
 @inner
-def _take(z: Floats, left: Floats, k: int, directions: Floats, images: Floats, weights: Floats) -> None:
+def _take(z: Floats, left: Floats, force: Floats, k: int, directions: Floats, images: Floats, forces: Floats) -> None:
     """Take the share of a direction in what is left into z."""
     n = len(left)
-    share = weighed_dot(images, k * n, left, 0, weights)
+    share = dot(forces, k * n, left, 0, n)
     add_row(z, 0, share, directions, k * n, n)
     add_row(left, 0, -share, images, k * n, n)
+    add_row(force, 0, -share, forces, k * n, n)
 
 
-@inner
-def _share(z: Floats, left: Floats, weights: Floats) -> float:
+@kernel
+def _shares(z: Floats, left: Floats, force: Floats, weights: Floats) -> tuple[float, float]:
+    """What is left as a share of z, by magnitudes, and its energy."""
     size, rest = weighed_dot(z, 0, z, 0, weights), weighed_dot(left, 0, left, 0, weights)
-    return sqrt(rest / size) if size > 0.0 else np.inf if rest > 0.0 else 0.0
+    share = sqrt(rest / size) if size > 0.0 else np.inf if rest > 0.0 else 0.0
+    return share, dot(left, 0, force, 0, len(left))
