@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
+import reprlib
 import shutil
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
@@ -95,6 +96,8 @@ def to_si(value: object, unit: str) -> float:
         number = _parse(value, unit, accepted) if isinstance(value, str) else float(value)  # type: ignore[arg-type]
     except OverflowError:  # an integer of more than 308 digits
         number = math.inf
+    except TypeError as error:  # an array of several numbers
+        raise UnitError(f"{reprlib.repr(value)} is not a number; {accepted}") from error
     if not math.isfinite(number):
         raise UnitError(f"{number} is not finite; {accepted}")
     return number

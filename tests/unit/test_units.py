@@ -75,6 +75,7 @@ def test_text_and_number_agree(value: float) -> None:
         (True, "m", "True is not a number"),
         ("50 percent", "m", "does not convert to m"),
         ([1.0], "m", "is not a number"),
+        (np.array([1.0, 2.0, 3.0]), "m", r"array\(\[1., 2., 3.\]\) is not a number; accepted is a number in m"),
         (math.nan, "m", "nan is not finite"),
         (math.inf, "m", "inf is not finite"),
         ("nan m", "m", "nan is not finite"),
