@@ -8,7 +8,7 @@ from typing import Literal
 import pytest
 from pydantic import TypeAdapter
 
-from lamella import Clamp, Isotropic, Laminate, Plate, PointForce
+from lamella import Clamp, Ground, Isotropic, Laminate, MeanPosition, Plate, PointForce, Pressure, SphereContact
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError, LamellaError
 from lamella.units import Length, Thickness, quantity
@@ -100,3 +100,13 @@ def test_values_of_another_kind_are_told_with_what_is_accepted() -> None:
         Clamp("root", plate)  # type: ignore[arg-type]
     with pytest.raises(DeclarationError, match=r"PointForce 'load': on = <Edge wing\.x->; accepted is a Marker"):
         PointForce("load", plate.edge("x-"), (0, 0, 1))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("given", [{}, {"name": "wing", "mesh": (1, 1)}], ids=["empty", "filled"])
+def test_a_mapping_makes_no_body_of_any_kind(given: dict) -> None:
+    with pytest.raises(DeclarationError, match=r"MeanPosition 'middle': on = {.*}; accepted is a ShellBody"):
+        MeanPosition("middle", given)  # type: ignore[arg-type]
+    with pytest.raises(DeclarationError, match=r"Pressure 'wind': on = {.*}; accepted is a ShellBody"):
+        Pressure("wind", given, 1.0)  # type: ignore[arg-type]
+    with pytest.raises(DeclarationError, match=r"SphereContact 'ball': shell = {.*}; accepted is a ShellBody"):
+        SphereContact("ball", given, Ground().origin, 0.1, stiffness=1e8)  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, InstanceOf
 
 from lamella.body.base import Marker
 from lamella.body.ground import Ground
@@ -39,7 +39,7 @@ class ContactPair(Declaration):
     """Fields that each contact declares itself, so that they come before its options."""
 
     name: str
-    shell: ShellBody
+    shell: InstanceOf[ShellBody]
     at: Marker
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pydantic import InstanceOf
+
 from lamella.body.base import Marker
 from lamella.body.rigid import RigidBody
 from lamella.body.shell_body import ShellBody
@@ -32,7 +34,7 @@ class CylinderContact(Contact):
     """
 
     name: str
-    shell: ShellBody
+    shell: InstanceOf[ShellBody]
     at: Marker
     radius: Thickness
     length: Thickness
@@ -58,7 +60,7 @@ class SphereContact(Contact):
     """
 
     name: str
-    shell: ShellBody
+    shell: InstanceOf[ShellBody]
     at: Marker
     radius: Thickness
 
@@ -79,7 +81,7 @@ class PlaneContact(Contact):
     """
 
     name: str
-    shell: ShellBody
+    shell: InstanceOf[ShellBody]
     at: Marker
     normal: Direction = (0.0, 0.0, 1.0)
 

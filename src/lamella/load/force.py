@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import InstanceOf
 
 from lamella import units
 from lamella.body.base import Marker
@@ -90,7 +91,7 @@ class SurfaceForce(Declaration):
     """
 
     name: str
-    on: ShellBody
+    on: InstanceOf[ShellBody]
     force: tuple[units.Pressure, units.Pressure, units.Pressure]
     profile: Profile = Constant(1.0)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from pydantic import InstanceOf
 
 from lamella import units
 from lamella.body.shell_body import ShellBody
@@ -40,7 +41,7 @@ class Pressure(Declaration):
 
     order: ClassVar[int] = 3  # after the supports, which decide whether the tangent is symmetric
     name: str
-    on: ShellBody
+    on: InstanceOf[ShellBody]
     pressure: units.Pressure
     profile: Profile = Constant(1.0)
 

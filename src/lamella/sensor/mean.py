@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from pydantic import InstanceOf
 
 from lamella.body.quadrature import surface_integrals
 from lamella.body.shell_body import ShellBody
@@ -26,7 +27,7 @@ class MeanPosition(Declaration):
     """
 
     name: str
-    on: ShellBody
+    on: InstanceOf[ShellBody]
 
     def contribute(self, build: Build) -> None:
         """Add the signals."""
