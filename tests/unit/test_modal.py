@@ -197,6 +197,25 @@ def test_rigid_bodies_alone_have_zero_modes():
     assert np.linalg.matrix_rank(modes.shapes.reshape(len(modes.shapes), -1), tol=1e-6 * np.abs(modes.shapes).max()) == 11
 
 
+def test_wheels_on_one_axis_have_the_modes_of_a_shaft():
+    """Neither turns a vector of ones, which moves no wheel about an axis through its centre."""
+    system, place = lm.System(), lm.Ground().origin
+    inertias, stiffnesses = np.array([1.5, 1.4, 1.3, 1.2]), np.array([7.0, 6.0, 5.0])
+    for k, inertia in enumerate(inertias):
+        wheel = system.add(lm.RigidBody(f"wheel{k}", mass=1.0, inertia=(1.0, 1.0, inertia)))
+        joint = system.add(lm.RevoluteJoint(f"joint{k}", place, wheel.origin))
+        if k:
+            system.add(lm.TorsionSpring(f"shaft{k}", joint, stiffnesses[k - 1]))
+        place = wheel.origin
+    K = np.zeros((4, 4))
+    for k, stiffness in enumerate(stiffnesses):
+        K[k : k + 2, k : k + 2] += stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    expected = np.sqrt(np.abs(linalg.eigh(K, np.diag(inertias), eigvals_only=True))) / (2 * np.pi)
+    found = lm.modes(system, 3).frequencies
+    assert abs(found[0]) < 1e-6  # the root of rounding
+    np.testing.assert_allclose(found[1:], expected[1:3], rtol=1e-9)
+
+
 @pytest.mark.parametrize("n", [0, -3, 10_000])
 def test_impossible_number_of_modes_is_refused(n):
     with pytest.raises(DeclarationError, match=r"modes: n = .*accepted is 1 to"):

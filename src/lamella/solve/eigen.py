@@ -96,7 +96,7 @@ def left_shape(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, va
     scale = sparse.diags_array(magnitude)
     K, M, J = sparse.csc_array(scale @ K.T @ scale), sparse.csc_array(scale @ M @ scale), sparse.csr_array(J @ scale)
     inverse = ConstrainedInverse(sparse.csc_array(K - (1.0 - BESIDE) * value * M), J)
-    psi = np.random.default_rng(0).standard_normal(len(magnitude))
+    psi = _any(len(magnitude))
     for _ in range(4):
         psi = inverse(M @ psi)
         psi /= np.sqrt(psi @ (M @ psi))
@@ -126,7 +126,7 @@ def _nearest(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array, n: i
     """The ``n`` eigenvalues nearest to a shift below them, on the null space of J."""
     n_u, inverse = len(M.indptr) - 1, ConstrainedInverse(sparse.csc_array(K - shift * M), J)
     operator: Any = linalg.LinearOperator((n_u, n_u), matvec=inverse, dtype=float)  # pyright: ignore[reportCallIssue]
-    start = inverse(M @ np.ones(n_u))
+    start = inverse(M @ _any(n_u))
     values, vectors = linalg.eigsh(K, n, M, sigma=shift, OPinv=operator, which="LM", v0=start)
     return np.asarray(values), np.asarray(vectors)
 
@@ -140,9 +140,14 @@ def _nearest_of_skew(
         found: Any = np.linalg.eig(np.stack([inverse(column) for column in M.toarray().T], axis=1))
     else:
         operator: Any = linalg.LinearOperator((n_u, n_u), matvec=lambda x: inverse(M @ np.ravel(x)), dtype=float)  # pyright: ignore[reportCallIssue]
-        found = linalg.eigs(operator, n, which="LM", v0=inverse(M @ np.ones(n_u)), tol=SEARCHED)  # pyright: ignore[reportArgumentType]
+        found = linalg.eigs(operator, n, which="LM", v0=inverse(M @ _any(n_u)), tol=SEARCHED)  # pyright: ignore[reportArgumentType]
     largest = np.argsort(-np.abs(found[0]))[:n]
     return np.asarray(shift + 1.0 / found[0][largest], complex), np.asarray(found[1][:, largest], complex)
+
+
+def _any(n: int) -> Floats:
+    """A vector that no symmetry of a structure makes normal to a shape, the same at each call."""
+    return np.random.default_rng(0).standard_normal(n)
 
 
 def _typical(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array) -> float:
@@ -155,7 +160,7 @@ def _typical(K: sparse.csc_array, M: sparse.csc_array, J: sparse.csr_array) -> f
         return 1.0
     rough = 1e-9 * K.diagonal().mean() / M.diagonal().mean()
     inverse = ConstrainedInverse(sparse.csc_array(K + rough * M), J)
-    x, value = np.random.default_rng(0).standard_normal(len(K.indptr) - 1), 0.0
+    x, value = _any(len(K.indptr) - 1), 0.0
     for _ in range(4):
         x = inverse(M @ x)
         x /= np.sqrt(x @ (M @ x))
@@ -192,7 +197,7 @@ def gyroscopic(
 
     size: Any = linalg.LinearOperator((2 * n_u, 2 * n_u), matvec=operator, dtype=float)  # pyright: ignore[reportCallIssue]
     count = min(2 * (n + RIGID_MODES), 2 * n_u - 2)
-    start = operator(operator(np.random.default_rng(0).standard_normal(2 * n_u)))
+    start = operator(operator(_any(2 * n_u)))
     solution: Any = linalg.eigs(size, count, which="LM", v0=start, tol=SEARCHED)  # pyright: ignore[reportArgumentType]
     inverted, vectors = np.asarray(solution[0], complex), np.asarray(solution[1], complex)
     roots = (shift + 1.0 / inverted) * unit
