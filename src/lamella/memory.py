@@ -5,6 +5,8 @@ from __future__ import annotations
 from copy import deepcopy
 from typing import Any, ClassVar
 
+import numpy as np
+
 
 class Memory:
     """Something that the next step depends on, beside what never changes.
@@ -21,6 +23,12 @@ class Memory:
         values = {name: getattr(self, name) for name in self.remembered}
         return {name: value.memory() if isinstance(value, Memory) else deepcopy(value) for name, value in values.items()}
 
+    def fits(self, memory: object) -> bool:
+        """Whether it is the memory of something alike: of the same names, and arrays of the same shapes."""
+        if not isinstance(memory, dict) or memory.keys() != set(self.remembered):
+            return False
+        return all(_alike(getattr(self, name), memory[name]) for name in self.remembered)
+
     def recall(self, memory: dict[str, Any]) -> None:
         """Take back what :meth:`memory` gave."""
         for name in self.remembered:
@@ -29,3 +37,12 @@ class Memory:
                 value.recall(memory[name])
             else:
                 setattr(self, name, deepcopy(memory[name]))
+
+    def reset(self) -> None:
+        """Forget what happened in an earlier run."""
+
+
+def _alike(value: object, found: object) -> bool:
+    if isinstance(value, Memory):
+        return value.fits(found)
+    return not (isinstance(value, np.ndarray) and isinstance(found, np.ndarray)) or value.shape == found.shape

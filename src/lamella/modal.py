@@ -79,6 +79,7 @@ def modes(system: System | Model, n: int, *, state: State | None = None) -> Mode
             "modes: the reference configuration of a spinning system is no equilibrium; "
             "accepted is state=equilibrium(system).final"
         )
+    model.begin(state)
     equations = Equations(model)
     free = equations.mobility
     if free < 2:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import count
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from lamella.constraint.dot_block import DotBlock
 from lamella.dofs import Build, DotRow, LinearRow, Sampler, ScalarField, Signal, Support, Trigger
 from lamella.errors import ModelError
 from lamella.inertia import vector_mass, whole_mass
+from lamella.memory import Memory
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock
 from lamella.state import State
 
@@ -82,8 +84,41 @@ class Model:
 
     def reset(self) -> None:
         """Put blocks with discrete state back to that of the start of a run."""
-        for item in (*self.forces, *self.loads, *self.constraints, *self.samplers):
+        for item in (*self.forces, *self.loads, *self.constraints, *self.samplers, *self._histories.values()):
             item.reset()
+
+    def begin(self, state: State | None) -> None:
+        """Forget earlier runs, and take over what the state remembers of those parts that the model has too."""
+        self.reset()
+        if state is None or state.memory is None:
+            return
+        for name, part in self._memories.items():
+            if part.fits(state.memory.get(name)):
+                part.recall(state.memory[name])
+
+    def remembering(self, state: State) -> State:
+        """The state just reached, with what the next ones depend on besides.
+
+        This is where bristles hold, how often angles have turned, which latches are engaged, what events have switched, and the
+        states of controllers.
+        """
+        memory = {name: part.memory() for name, part in self._memories.items()}
+        return replace(state, memory=memory) if memory else state
+
+    @cached_property
+    def _histories(self) -> dict[str, Memory]:
+        """What signals remember, by name."""
+        return {f"{signal.name} {k}": part for signal in self.signals for k, part in enumerate(signal.history)}
+
+    @cached_property
+    def _memories(self) -> dict[str, Memory]:
+        """All parts with a memory: those of one name are numbered."""
+        found = dict(self._histories)
+        for part in (*self.forces, *self.loads, *self.constraints, *self.samplers):
+            if isinstance(part, Memory) and part.remembered:
+                numbers = (f"{part.name} {k}" for k in count())
+                found[next(name for name in numbers if name not in found)] = part
+        return found
 
     def settle(self, state: State) -> None:
         """Tell all blocks that ``state`` has been accepted."""

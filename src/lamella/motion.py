@@ -78,7 +78,8 @@ def simulate(
         t_end: end time [s].
         integrator: for example ``GeneralizedAlpha(dt=1e-3, rho_inf=0.9)``.
         t_start: time of the initial state [s].
-        initial: positions and velocities to start from, for example ``equilibrium(...).final``; the reference otherwise.
+        initial: state to start from, for example ``equilibrium(...).final``; the reference otherwise. What it remembers beside
+            positions and velocities goes on: where bristles hold, turns of joints, latches, switched forces, controllers.
         frames: number of equally spaced configurations kept for pictures.
         every: record at multiples of this interval [s] too, besides the steps: interpolated with the order of the method, so
             that long steps give smooth curves. Positions, velocities and accelerations are as accurate as those of the steps.
@@ -113,7 +114,7 @@ def simulate(
         made = system.compile() if isinstance(system, System) else system
         model = made.model if isinstance(made, Equations) else made
         refuse_spin(model, "simulate")
-        model.reset()
+        model.begin(initial)
         equations, statistics = made if isinstance(made, Equations) else Equations(model), Statistics()
         equations.forget()
         linear = linear_solver(equations.matrix.pattern, solver)
@@ -125,7 +126,7 @@ def simulate(
         march.begin(point)
         statistics.seconds_compile = time.perf_counter() - began
         ended = replace(march.run(), start=start)
-        final = march.whole()  # an interruption may come behind a step that is not recorded
+        final = model.remembering(march.whole())  # an interruption may come behind a step that is not recorded
         outcome = _judged(ended, equations, final, recorder)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)

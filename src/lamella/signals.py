@@ -267,8 +267,10 @@ def energy_signals(equations: Equations) -> list[Signal]:
 
     along_the_way = WorkMeter(_heat(damped, model.n_q)) if damped else nothing
 
+    settled = Baseline()  # a run may begin with what an earlier one has left behind
+
     def dissipated(state: State) -> float:
-        return along_the_way(state) + sum(block.settled_heat() for block in model.forces)
+        return along_the_way(state) + settled(sum(block.settled_heat() for block in model.forces))
 
     last: dict[str, float] = {}
     from_start = Baseline()
@@ -304,7 +306,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
             kept("dissipated", dissipated),
             "energy turned into heat by damping",
             cumulative=True,
-            history=(along_the_way,) if isinstance(along_the_way, Memory) else (),
+            history=(along_the_way, settled) if isinstance(along_the_way, Memory) else (settled,),
         ),
         Signal("power.dissipated", "W", (), power, "power turned into heat by damping"),
         Signal("energy.balance", "J", (), balance, "energy balance: zero for an exact solution", history=(from_start,)),

@@ -91,6 +91,7 @@ def buckling(system: System | Model, n: int = 1, *, t: float = 0.0, state: State
         ConvergenceError: there is no equilibrium without load.
     """
     model = system.compile() if isinstance(system, System) else system
+    model.begin(state)
     exact = all(block.symmetry == "symmetric" for block in (*model.forces, *model.loads))
     equations = Equations(model, symmetric=exact)
     free = equations.mobility

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
 
 from lamella.roles import Floats
 
@@ -24,6 +24,8 @@ class State:
         reaction: M a + f + Phi_q^T lam, shape (n_q,): it vanishes but for the eliminated constraints C q = c, and is C^T mu with
             the force mu of each; see :meth:`lamella.assembly.elimination.Elimination.row_forces`.
         factor: load factor in statics, 1 in motion.
+        memory: what the next state depends on beside these, of the last state of a solution, see
+            :meth:`lamella.model.Model.remembering`; None for none, as at the start of a run.
     """
 
     t: float
@@ -33,6 +35,7 @@ class State:
     lam: Floats
     reaction: Floats
     factor: float = 1.0
+    memory: dict[str, Any] | None = field(default=None, compare=False, repr=False)
 
 
 class OncePerState(Generic[T]):

@@ -212,7 +212,7 @@ class StaticRun:
         outcome = replace(self.judged(outcome), start=self.start, critical_points=tuple(self.critical_points))
         self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
         self.recorder.close(outcome, self.statistics)
-        result = Result(self.model, self.recorder, self.state, outcome, self.statistics)
+        result = Result(self.model, self.recorder, self.model.remembering(self.state), outcome, self.statistics)
         if not outcome.completed and on_failure == "raise":
             raise error_of(result, f"the equilibrium {outcome}")
         return result

@@ -18,10 +18,13 @@ from lamella.io.analysis import Motion
 from lamella.io.model_file import loads
 from lamella.state import State
 from lamella.stepping.run import Stepping, refuse_unusable
+from lamella.stepping.saved import decoded, encoded
 
 MODEL, INTERFACE, START = "model.yaml", "interface.json", "start.npz"
 """Files in the resources."""
 ARRAYS = ("q", "v", "a", "lam", "reaction")
+MEMORY = "memory"
+"""Of the state at the start, in its file: its arrays, and what it remembers besides."""
 APART = 1e-6
 """Share of a communication step by which its beginning may be off the present time: a master sums its steps."""
 
@@ -197,7 +200,8 @@ def stepping(folder: Path, interface: Interface, t: float) -> Stepping:
     imperfection = initial = None
     if motion.start is not None:
         with _read(folder / START) as path, np.load(path) as arrays:
-            initial = State(t, *(arrays[name] for name in ARRAYS))
+            memory = decoded(arrays[MEMORY].tobytes()) if MEMORY in arrays else None
+            initial = State(t, *(arrays[name] for name in ARRAYS), memory=memory)
             imperfection = arrays.get("imperfection")
     system = model.system.compile(imperfection)
     outputs = [item.name for item in interface.outputs]
@@ -235,6 +239,8 @@ def write_resources(folder: Path, interface: Interface, model: str, state: State
         arrays = {name: getattr(state, name) for name in ARRAYS}
         if imperfection is not None:
             arrays["imperfection"] = np.asarray(imperfection)
+        if state.memory is not None:
+            arrays[MEMORY] = np.frombuffer(encoded(state.memory), np.uint8)
         np.savez(folder / START, **arrays)
         written.append(folder / START)
     return written

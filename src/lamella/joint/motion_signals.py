@@ -13,23 +13,21 @@ from lamella.state import State
 
 
 class TurnCounter(Memory):
-    """An angle without jumps: of all values that differ by full turns, the one nearest to the last.
+    """An angle without jumps: of all values that differ by full turns, the one nearest to the last of the run."""
 
-    A run begins again when the time goes back to where it first was; within a run, a step may be tried with several lengths.
-    """
-
-    remembered = ("_start", "_angle")
+    remembered = ("_angle",)
 
     def __init__(self) -> None:
-        self._start, self._angle = np.inf, 0.0
+        self._angle: float | None = None
 
-    def __call__(self, t: float, angle: float) -> float:
-        if t > self._start:
+    def __call__(self, angle: float) -> float:
+        if self._angle is not None:
             angle += 2.0 * np.pi * float(np.round((self._angle - angle) / (2.0 * np.pi)))
-        else:
-            self._start = t
         self._angle = angle
         return angle
+
+    def reset(self) -> None:
+        self._angle = None
 
 
 def angle_signals(name: str, term: Term) -> list[Signal]:
@@ -38,7 +36,7 @@ def angle_signals(name: str, term: Term) -> list[Signal]:
 
     def angle(state: State) -> float:
         found.evaluate(state.q)
-        return counter(state.t, float(found.values[0]))
+        return counter(float(found.values[0]))
 
     return [
         Signal(f"{name}.angle", "rad", (), angle, f"angle of {name}", cumulative=True, history=(counter,)),

@@ -57,6 +57,7 @@ class SteadyState:
     """
 
     def __init__(self, model: Model, state: State | None) -> None:
+        model.begin(state)
         self.model, self.equations = model, Equations(model, symmetric=False)
         equations = self.equations
         self.point = point = equations.start(at_rest=True)

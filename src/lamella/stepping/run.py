@@ -124,7 +124,7 @@ class Stepping:
         for name, item in self._inputs.items():
             item.held.recall(self._at_start[name])
         self._wanted = {name: item.start for name, item in self._inputs.items()}
-        self.model.reset()
+        self.model.begin(self._initial)
         self._equations.forget()
         point, self.start = consistent_start(self._equations, self._linear, self._t_start, self._initial)
         self._signals = system_signals(self._equations)
@@ -150,7 +150,7 @@ class Stepping:
     def state(self) -> State:
         """The present state, with the inputs that are set."""
         self._take()
-        return self._march.state
+        return self.model.remembering(self._march.state)
 
     @property
     def inputs(self) -> dict[str, float]:
