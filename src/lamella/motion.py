@@ -121,7 +121,7 @@ def simulate(
         point, start = consistent_start(equations, linear, t_start, initial)
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
-        recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
+        recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks, remembering=model.remembering)
         march = March(equations, integrator, recorder, statistics, t_end, linear, solver, every, stride)
         march.begin(point)
         statistics.seconds_compile = time.perf_counter() - began

@@ -122,7 +122,12 @@ class StaticRun:
     def open(self, start: float, until: float, sinks: Sequence[Sink], bar: ProgressBar | None) -> None:
         """Prepare to record, from the present point on."""
         self.recorder = Recorder(
-            [LOAD_FACTOR, *system_signals(self.equations)], self.axis, start, until, sinks=(bar, *sinks) if bar else sinks
+            [LOAD_FACTOR, *system_signals(self.equations)],
+            self.axis,
+            start,
+            until,
+            sinks=(bar, *sinks) if bar else sinks,
+            remembering=self.model.remembering,
         )
         self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lamella as lm
+from lamella.assembly.equations import Equations
+from lamella.fmu.plant import Interface, stepping, write_resources
+from lamella.io.model_file import loads
+from lamella.io.results import ResultWriter
+from lamella.signals import system_signals
+from lamella.stepping.saved import encoded
 
 STEPS = lm.GeneralizedAlpha(dt=1e-2, rho_inf=0.9, stabilised=True, newton=lm.Newton(tolerance=1e-12))
 LAYUP = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200), thickness=0.01)
@@ -88,7 +95,9 @@ def held() -> lm.System:
         (held, ("end.position", "touch.force", "energy.strain")),
     ],
 )
-def test_a_motion_goes_on_from_the_end_of_another(make: Callable[[], lm.System], signals: tuple[str, ...]) -> None:
+def test_a_motion_goes_on_from_the_end_of_another(
+    make: Callable[[], lm.System], signals: tuple[str, ...], tmp_path: Path
+) -> None:
     cut, end = 1.0, 1.5
     if make is held:
         cut, end = 0.1, 0.15
@@ -101,6 +110,13 @@ def test_a_motion_goes_on_from_the_end_of_another(make: Callable[[], lm.System],
             np.testing.assert_allclose(second[name].values[0], first[name].values[-1], rtol=0, atol=1e-5 * size)
         # accelerations that are solved for anew begin another numerical damping, of second order in 9 rad/s times 10 ms
         np.testing.assert_allclose(second[name].values[-1], whole[name].values[-1], rtol=0, atol=3e-3 * size)
+    first.save(tmp_path / "first.h5")
+    stored = lm.read_result(tmp_path / "first.h5")
+    again = lm.simulate(make(), end, STEPS, t_start=cut, initial=stored.final)
+    stored.save(tmp_path / "copy.h5")
+    assert encoded(lm.read_result(tmp_path / "copy.h5").final.memory) == encoded(first.final.memory)
+    for name in signals:
+        np.testing.assert_array_equal(again[name].values, second[name].values)
     assert second["work.dissipated"].values[0] == pytest.approx(0.0, abs=1e-12)
     assert second["energy.balance"].values[0] == 0.0
 
@@ -157,3 +173,55 @@ def test_angles_count_turns_over_load_steps() -> None:
     np.testing.assert_allclose(still.history("pin.angle").values, 8.0 * factors, atol=1e-9)
     run = lm.simulate(system, 0.1, STEPS, initial=still.final)
     np.testing.assert_allclose(run["pin.angle"].values, 8.0, atol=1e-9)
+
+
+MODEL = """
+lamella: 1
+system:
+  wheel: {type: rigid_body, mass: 1 kg, inertia: [1 kg m^2, 1 kg m^2, 1 kg m^2]}
+  ground: {type: ground}
+  pin: {type: revolute_joint, a: ground.origin, b: wheel.origin}
+  spring: {type: torsion_spring, on: pin, stiffness: 1 N m}
+  load: {type: point_moment, on: wheel.origin, moment: [0, 0, 8 N m]}
+analysis:
+  wound: {type: statics, steps: 10}
+  motion: {type: motion, start: wound, t_end: 0.1 s, integrator: {dt: 10 ms}}
+"""
+
+
+def test_a_unit_for_co_simulation_begins_with_what_its_start_remembers(tmp_path: Path) -> None:
+    wound = lm.equilibrium(loads(MODEL).system, steps=10).final
+    interface = Interface("plant", "", "motion", 0.01, 0.0, 0.1, {}, (), ())
+    write_resources(tmp_path, interface, MODEL, wound, None)
+    unit = stepping(tmp_path, interface, 0.0)
+    unit.advance(0.05)
+    assert unit.get("pin.angle") == pytest.approx(8.0, abs=1e-9)
+    assert unit.get("spring.torque") == pytest.approx(8.0, abs=1e-9)
+
+
+def test_a_file_holds_time_and_load_factor_of_the_last_state(tmp_path: Path) -> None:
+    system = loads(MODEL).system
+    for solution in (
+        lm.equilibrium_path(system, t=2.0, until=0.5),
+        lm.equilibrium(system, t=2.0, steps=[0.25, 0.5]),
+        lm.equilibrium(system, times=[0.0, 2.0]),
+    ):
+        solution.save(tmp_path / "still.h5")
+        found, final = lm.read_result(tmp_path / "still.h5").final, solution.final
+        assert (found.t, found.factor) == (final.t, final.factor)
+        assert found.t == 2.0
+
+
+def test_a_run_writes_what_its_end_remembers_and_a_killed_one_what_it_can(tmp_path: Path) -> None:
+    model = latched().compile()
+    paths = [tmp_path / "run.h5", tmp_path / "killed.h5"]
+    signals = system_signals(Equations(model))
+    writers = [ResultWriter(path, signals, "time", model.n_q) for path in paths]
+    run = lm.simulate(model, 1.0, STEPS, sinks=writers[:1])
+    assert encoded(lm.read_result(paths[0]).final.memory) == encoded(run.final.memory)
+    writers[1].sample(0.5, [np.asarray(signal.evaluate(run.final)) for signal in signals])
+    writers[1].frame(0.5, run.final)
+    writers[1].flush()
+    killed = lm.read_result(paths[1]).final
+    assert (killed.t, killed.factor, killed.memory) == (0.5, 1.0, None)
+    writers[1].discard()

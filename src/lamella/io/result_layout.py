@@ -20,6 +20,7 @@ from lamella.io.provenance import versions
 from lamella.result import Happening, Start
 from lamella.roles import Floats
 from lamella.state import State
+from lamella.stepping.saved import decoded, encoded
 
 Node = Any
 """A file, group or dataset of h5py, whose own types leave open which of them a look-up gives."""
@@ -212,6 +213,43 @@ def read_events(root: Node) -> tuple[Happening, ...]:
         return ()
     columns = group["time"][()].tolist(), group["name"].asstr()[()].tolist(), group["text"].asstr()[()].tolist()
     return tuple(Happening(t, name, text) for t, name, text in zip(*columns, strict=True))
+
+
+BESIDE = {
+    "a": "second rates of the coordinates",
+    "lam": "multipliers of the constraints",
+    "reaction": "forces of the eliminated constraints",
+}
+"""Arrays of a state beside coordinates and velocities."""
+
+
+def remembered(state: State) -> bytes:
+    """What a state remembers, see :meth:`lamella.model.Model.remembering`, as bytes; none where it remembers nothing."""
+    return b"" if state.memory is None else encoded(state.memory)
+
+
+def room_for_final(state: State) -> int:
+    """Bytes by which the file grows at most with :func:`write_final`."""
+    return 4096 + len(remembered(state)) + 8 * (2 * len(state.a) + len(state.lam))
+
+
+def write_final(group: Node, state: State) -> None:
+    """Write of the last state what its frame does not hold."""
+    group.attrs.update({"time": state.t, "factor": state.factor})
+    for name, label in BESIDE.items():
+        group.create_dataset(name, data=getattr(state, name)).attrs.update(plain({"long_name": label}))
+    memory = group.create_dataset("memory", data=np.frombuffer(remembered(state), np.uint8))
+    memory.attrs.update(plain({"long_name": "what the last state remembers: turns, latches, bristles and the like, as JSON"}))
+
+
+def read_final(root: Node) -> dict[str, Any] | None:
+    """What :func:`write_final` wrote, by the names of a state; None where the run was not closed, and in older files."""
+    if "final" not in root:
+        return None
+    group = root["final"]
+    memory = group["memory"][()].tobytes()
+    numbers = {"t": float(group.attrs["time"]), "factor": float(group.attrs["factor"])}
+    return {**numbers, **{name: group[name][()] for name in BESIDE}, "memory": decoded(memory) if memory else None}
 
 
 def write_critical_points(group: Node, points: Sequence[CriticalPoint]) -> None:

@@ -10,6 +10,8 @@ spreadsheet read it without this package:
     /statistics/<count>        scalars
     /events/time, name, text   when which events happened, (event,)
     /critical_points/factor, at, kind, negative, shape, t, q, lam   where the stiffness became singular, (point, ...); in statics
+    /final/a, lam, reaction, memory   of the last state beside its frame: accelerations, multipliers, forces of supports, and what
+                               it remembers, as JSON in bytes; attributes time and factor
     /imperfection              (coordinate,), added to the stress-free geometry; only where there is one
     attributes of /            format_version, versions, created, title, axis, model, outcome, reached, target, detail,
                                start_displacement, start_turn, start_velocity, start_spin, start_where, start_left_out
@@ -41,8 +43,10 @@ from lamella.io.result_layout import (
     refuse_unfit,
     reserve,
     room_for,
+    room_for_final,
     write_critical_points,
     write_events,
+    write_final,
     write_outcome,
     write_start,
 )
@@ -104,6 +108,7 @@ class ResultWriter:
         self._frame_q: list[Floats] = []
         self._frame_v: list[Floats] = []
         self._flush_seconds, self._flushed = flush_seconds, time.monotonic()
+        self._final: State | None = None
         self._failed = self._damaged = False
         self._file = create_file(self.path, overwrite, self._shown)
         self._signal_rows: dict[str, Node] = {}
@@ -134,6 +139,7 @@ class ResultWriter:
     def frame(self, at: float, state: State) -> None:
         """One frame of all coordinates and velocities."""
         self._keep_frame(at, state.q, state.v)
+        self._final = state
 
     def _keep_frame(self, at: float, q: Floats, v: Floats) -> None:
         self._frame_at.append(at)
@@ -164,6 +170,7 @@ class ResultWriter:
                 stack.callback(self._close_file)
                 if not self._damaged:
                     size = _MARGIN // 2 + sum(64 + len(event.name) + len(event.text) for event in outcome.events)
+                    size += 0 if self._final is None else room_for_final(self._final)
                     size += sum(512 + 8 * (2 * len(point.shape) + len(point.state.lam)) for point in outcome.critical_points)
                     self._burst(lambda: self._write_end(outcome, statistics), size)
 
@@ -227,6 +234,8 @@ class ResultWriter:
         write_events(self._file["events"], outcome.events)
         if outcome.critical_points:
             write_critical_points(self._file.create_group("critical_points"), outcome.critical_points)
+        if self._final is not None:
+            write_final(self._file.create_group("final"), self._final)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():
             unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)
@@ -271,6 +280,7 @@ def _write_all(writer: ResultWriter, result: Result) -> None:
         writer.sample(float(at), [column[step] for column in columns])
     for at, q, v in zip(result.frame_at, result.frame_q, frame_velocities(result), strict=True):
         writer._keep_frame(float(at), q, v)
+    writer._final = result.final if len(result.frame_at) else None
     writer.close(result.outcome, result.statistics)
 
 

@@ -9,7 +9,16 @@ import numpy as np
 
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
-from lamella.io.result_layout import FORMAT, FORMAT_VERSION, Node, is_hdf5, read_critical_points, read_events, read_start
+from lamella.io.result_layout import (
+    FORMAT,
+    FORMAT_VERSION,
+    Node,
+    is_hdf5,
+    read_critical_points,
+    read_events,
+    read_final,
+    read_start,
+)
 from lamella.result import STEPS_OF_ORDER, Cause, Outcome, Result, Statistics
 from lamella.roles import Floats
 from lamella.state import State
@@ -22,7 +31,7 @@ class StoredResult(Result):
     """A result read from a file; everything a :class:`lamella.result.Result` shows.
 
     The model is compiled from the stored model file when it is first asked for. The state after the last frame kept is
-    ``final``; accelerations and multipliers are not stored and are NaN there.
+    ``final``; of a run that was not closed accelerations and multipliers are not stored, and the former are NaN there.
 
     Args:
         path: where it was read from.
@@ -46,6 +55,7 @@ class StoredResult(Result):
         self.frame_v: Floats = frames["v"][: len(self.frame_at)]
         self._imperfection: Floats | None = file["imperfection"][()] if "imperfection" in file else None
         self._model: Model | None = None
+        self._final = read_final(file)
 
     @property
     def model(self) -> Model:  # pyright: ignore[reportIncompatibleVariableOverride] -- compiled only when it is needed
@@ -74,8 +84,13 @@ class StoredResult(Result):
         """The last frame as a state."""
         if not len(self.frame_at):
             raise ResultFileError(f"result file '{self.path}' holds no frame; accepted is a run that got beyond its start")
+        if self._final is not None:
+            return State(q=self.frame_q[-1], v=self.frame_v[-1], **self._final)
+        factors = self._values.get("load_factor", np.ones((len(self.at), 1)))
+        factor = float(factors[np.searchsorted(self.at, self.frame_at[-1]), 0])
+        t = float(self.frame_at[-1]) if self.axis == "time" else 0.0
         unknown = np.full(self.frame_q.shape[1], np.nan)
-        return State(float(self.frame_at[-1]), self.frame_q[-1], self.frame_v[-1], unknown, np.empty(0), np.empty(0))
+        return State(t, self.frame_q[-1], self.frame_v[-1], unknown, np.empty(0), np.empty(0), factor)
 
 
 def read_result(path: str | Path) -> StoredResult:
