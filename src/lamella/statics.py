@@ -15,7 +15,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.compilation import compilation_notice
 from lamella.critical import Branch
-from lamella.errors import DeclarationError
+from lamella.errors import DeclarationError, ModelError
 from lamella.model import Model
 from lamella.progress import ProgressBar
 from lamella.result import Cause, Outcome, Result, Sink
@@ -167,7 +167,7 @@ def equilibrium_path(
     Raises:
         ConvergenceError: the path could not be followed to its end; the message says where and why.
         DeclarationError: arguments that exclude each other or do not fit the system.
-        ModelError: nothing holds the system.
+        ModelError: nothing holds the system, or nothing deforms it.
     """
     _check_path(until, arc, control, branch)
     arc, end = arc or ArcLength(), 1.0 if until is None else until
@@ -177,6 +177,11 @@ def equilibrium_path(
             run.point = _critical(run, branch)
         else:
             run.relax()
+            if control is None and not run.equations.load_direction(run.point).any():
+                raise ModelError(
+                    "equilibrium_path: nothing deforms as the load factor grows; accepted are loads or moving supports that "
+                    "deform the system, or equilibrium(system) where there are none"
+                )
         run.open(0.0, end, sinks, ProgressBar("path", 0.0, arc.max_steps, "points", run.statistics) if progress else None)
         bordered = BorderedNewton(run.equations, run.newton, run.statistics)
 

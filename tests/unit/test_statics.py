@@ -233,3 +233,12 @@ def test_a_path_begins_at_the_equilibrium_of_a_prestrained_plate():
     path, still = lm.equilibrium_path(system), lm.equilibrium(system)
     assert path["tip.position"].values[0, 0] == pytest.approx(0.5 * (1 - 1e-3), rel=2e-5)
     np.testing.assert_allclose(path["tip.position"].values[-1], still["tip.position"].values, atol=1e-6)
+
+
+def test_a_path_without_loads_is_refused():
+    system = lm.System()
+    plate = system.add(lm.Plate("strip", (1.0, 0.1), (2, 1), lm.Laminate(lm.Isotropic(2e9, 0.3, 1200), thickness=1e-3)))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    with pytest.raises(ModelError, match=r"equilibrium_path: nothing deforms as the load factor grows; accepted are loads or"):
+        lm.equilibrium_path(system)
+    assert lm.equilibrium(system).outcome.completed
