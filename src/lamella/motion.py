@@ -341,9 +341,10 @@ class March:
         return self.state
 
     def restart(self) -> None:
-        """After a jump of a load: velocities go on, accelerations and multipliers are solved for anew."""
+        """After a jump of a load, whose work goes on from there: velocities go on, accelerations and multipliers solved anew."""
         point = self.equations.point_of(self.state, self.t)
         solve_rates(self.equations, point, self.linear)
         self.state = self.equations.state(point)
+        self.recorder.pass_over(self.state)
         self.stepper.restart(point)
         self.dt = None

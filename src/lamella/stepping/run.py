@@ -244,7 +244,6 @@ class Stepping:
             if stop == jump:
                 self._equations.forget()
                 march.restart()
-                march.recorder.sample(march.t, march.state)
             march.control(before)
         return Outcome(Cause.COMPLETED, march.t, t, events=tuple(march.watch.happened))
 
