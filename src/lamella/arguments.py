@@ -25,18 +25,21 @@ class Kind(NamedTuple):
 
 
 NUMBER = Kind(lambda value: isinstance(value, Real) and not isinstance(value, bool), "a number")
+REAL = Kind(lambda value: NUMBER.accepts(value) and _converts(value), "a number")
 PATH = Kind(lambda value: isinstance(value, (str, PathLike)), "a path")
 TEXT = Kind(lambda value: isinstance(value, str), "a text")
-WHOLE = Kind(lambda value: isinstance(value, Integral) and not isinstance(value, bool), "a whole number")
-FINITE = Kind(lambda value: NUMBER.accepts(value) and _fits(value), "a finite number")
+WHOLE = Kind(lambda value: isinstance(value, Integral) and REAL.accepts(value), "a whole number")
+FINITE = Kind(lambda value: REAL.accepts(value) and isfinite(value), "a finite number")
 POSITIVE = Kind(lambda value: FINITE.accepts(value) and value > 0, "a positive number")
 
 
-def _fits(value: Any) -> bool:
+def _converts(value: Real) -> bool:
+    """Whether it is a float, or has one near it."""
     try:
-        return isfinite(value)
-    except OverflowError:  # of a whole number
+        float(value)
+    except OverflowError:  # of a whole number of more than 308 digits
         return False
+    return True
 
 
 def at_least(least: int) -> Kind:

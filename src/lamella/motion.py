@@ -6,12 +6,11 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import ceil
 
 import numpy as np
 
-from lamella.accepted import EQUATIONS, FAILURE, SOLVER, STATE
-from lamella.arguments import NUMBER, WHOLE, accepts, instance, optional
+from lamella.accepted import EQUATIONS, FAILURE, SINKS, SOLVER, STATE
+from lamella.arguments import REAL, WHOLE, accepts, instance, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.compilation import compilation_notice
@@ -46,13 +45,14 @@ KEEP_STEP = 1.2
 
 @accepts(
     system=EQUATIONS,
-    t_end=NUMBER,
+    t_end=REAL,
     integrator=instance("an integrator such as GeneralizedAlpha(dt=1e-3)", Integrator),
-    t_start=NUMBER,
+    t_start=REAL,
     initial=STATE,
     frames=WHOLE,
-    every=optional(NUMBER),
+    every=optional(REAL),
     stride=WHOLE,
+    sinks=SINKS,
     solver=SOLVER,
     on_failure=FAILURE,
 )
@@ -253,7 +253,7 @@ class March:
         span = self.t_end - self.recorder.start  # of which a first step may be many times
         while self.t < stop - 1e-9 * min(dt, span):
             remaining = stop - self.t
-            count = max(1, ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
+            count = max(1, math.ceil(remaining / dt - 1e-6)) if remaining < 2.0 * dt else 0
             trial = remaining / count if count else dt
             if count == 1 and jumping:
                 trial *= 1.0 - BEFORE_JUMP

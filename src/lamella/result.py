@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from lamella.arguments import TEXT, WHOLE, accepts, optional
 from lamella.critical import CriticalPoint
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, FunctionError
@@ -304,7 +305,7 @@ class Result:
 
     def samples(self, name: str) -> Floats:
         """The values of :meth:`history` alone, shape (n,), or (n, n_label) where the signal has labels."""
-        if name not in self.signals:
+        if not isinstance(name, str) or name not in self.signals:
             raise DeclarationError("result", f"no signal '{name}'", f"recorded are {', '.join(self.signals)}")
         return self._values[name] if self.signals[name].labels else self._values[name][:, 0]
 
@@ -322,6 +323,7 @@ class Result:
         array[self.axis].attrs["units"] = "s" if self.axis == "time" else "1"
         return array
 
+    @accepts(name=TEXT, frame=optional(WHOLE), per_element=WHOLE)
     def plate(self, name: str, frame: int | None = None, per_element: int = 4) -> PlateSample:
         """Positions, normals, strains and stresses of a plate on a grid of points.
 
@@ -345,4 +347,4 @@ class Result:
         """Write everything to one HDF5 file; an existing file is replaced only when the new one is whole."""
         from lamella.io.results import write_result
 
-        return write_result(self, Path(path))
+        return write_result(self, path)

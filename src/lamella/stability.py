@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.sparse import linalg
 
 from lamella.accepted import STATE, SYSTEM
-from lamella.arguments import NUMBER, WHOLE, accepts
+from lamella.arguments import REAL, WHOLE, accepts
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.errors import ConvergenceError, DeclarationError, ModelError, SingularSystemError
@@ -63,7 +63,7 @@ class Buckling(Shapes):
 @accepts(
     system=SYSTEM,
     n=WHOLE,
-    t=NUMBER,
+    t=REAL,
     state=STATE,
 )
 def buckling(system: System | Model, n: int = 1, *, t: float = 0.0, state: State | None = None) -> Buckling:

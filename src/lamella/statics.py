@@ -9,8 +9,8 @@ from math import isfinite
 
 import numpy as np
 
-from lamella.accepted import EQUATIONS, FAILURE, SOLVER, SYSTEM
-from lamella.arguments import NUMBER, WHOLE, accepts, either, instance, numbers, optional
+from lamella.accepted import EQUATIONS, FAILURE, SINKS, SOLVER, SYSTEM
+from lamella.arguments import REAL, WHOLE, accepts, either, instance, numbers, optional
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point
 from lamella.compilation import compilation_notice
@@ -34,9 +34,10 @@ BRANCH_ITERATIONS = 30
 """Newton's iterations allowed onto a branch, whose first point is guessed along the null vector."""
 
 STATIC_ARGUMENTS = {
-    "t": NUMBER,
+    "t": REAL,
     "imperfection": optional(instance("an array with a number for each coordinate", np.ndarray)),
     "newton": instance("Newton(...)", Newton),
+    "sinks": SINKS,
     "solver": SOLVER,
     "on_failure": FAILURE,
 }
@@ -46,7 +47,7 @@ STATIC_ARGUMENTS = {
     system=EQUATIONS,
     steps=either(WHOLE, numbers("ascending numbers")),
     times=optional(numbers("ascending numbers")),
-    smallest_step=NUMBER,
+    smallest_step=REAL,
     **STATIC_ARGUMENTS,
 )
 def equilibrium(
@@ -120,7 +121,7 @@ def equilibrium(
 
 @accepts(
     system=SYSTEM,
-    until=optional(NUMBER),
+    until=optional(REAL),
     arc=optional(instance("ArcLength(...)", ArcLength)),
     control=optional(instance("DisplacementControl(...)", DisplacementControl)),
     branch=optional(instance("a branch of a critical point", Branch)),

@@ -28,7 +28,7 @@ class System:
     """
 
     def __init__(self, redundant: Redundant = "raise") -> None:
-        if redundant not in get_args(Redundant):
+        if not isinstance(redundant, str) or redundant not in get_args(Redundant):
             raise DeclarationError("System", f"redundant = {redundant!r}", "accepted is 'raise' or 'drop'")
         self.redundant: Redundant = redundant
         self.declarations: list[Declaration] = []

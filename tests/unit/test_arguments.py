@@ -9,6 +9,12 @@ import pytest
 
 import lamella as lm
 from lamella.errors import LamellaError
+from lamella.io.modes import read_modes, write_modes
+from lamella.io.vtk import write_vtkhdf
+from lamella.viz.path import plot_path
+from lamella.viz.plots import plot_comparison, plot_convergence, plot_energy
+from lamella.viz.scene import picture
+from lamella.viz.style import save_figure
 
 STEPS: Any = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.9)
 STATICS = (lm.Statics("still"),)
@@ -74,6 +80,33 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: lm.run_parameter_study(other({}), "out"), "study = {}; accepted is a ParameterStudy"),
     (lambda: lm.run_optimisation(other(None), "out"), "problem = None; accepted is an Optimisation"),
     (lambda: lm.run_parameter_study(STUDY, other(3)), "run_parameter_study: folder = 3; accepted is a path"),
+    (lambda: lm.simulate(strip(), 10**400, STEPS), "simulate: t_end = 1000.*; accepted is a number"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, frames=10**400), "simulate: frames = 1000.*; accepted is a whole number"),
+    (lambda: lm.simulate(strip(), 0.01, STEPS, sinks=other(None)), "simulate: sinks = None; accepted is a list of sinks"),
+    (lambda: lm.equilibrium(strip(), sinks=other("x")), "equilibrium: sinks = 'x'; accepted is a list of sinks"),
+    (lambda: lm.Stepping(strip(), STEPS).get(other(None)), "get: name = None; accepted is a text"),
+    (lambda: lm.Stepping(strip(), STEPS).set(other([]), 1.0), r"set: name = \[\]; accepted is a text"),
+    (lambda: lm.System(other([1.0, 2.0])), r"System: redundant = \[1.0, 2.0\]; accepted is 'raise' or 'drop'"),
+    (lambda: lm.read_result(other(None)), "read_result: path = None; accepted is a path"),
+    (lambda: lm.read_result(5000 * "x"), "result file 'x*' does not exist"),
+    (lambda: lm.Table.from_csv(other(None)), "from_csv: path = None; accepted is a path"),
+    (lambda: lm.Table.from_csv("a\0b"), "the file cannot be read: it is not text"),
+    (lambda: still()[other([])], r"result: no signal '\[\]'; recorded are"),
+    (lambda: still().history(other({})), "result: no signal '{}'; recorded are"),
+    (lambda: still().save(other(None)), "write_result: path = None; accepted is a path"),
+    (lambda: still().save(5000 * "x"), "cannot be written: File name too long; accepted is another name"),
+    (lambda: still().save("a\0b"), "cannot be written: .*null.*; accepted is another name"),
+    (lambda: write_vtkhdf(other(None), "x.vtkhdf"), "write_vtkhdf: result = None; accepted is a result"),
+    (lambda: write_modes(other(None), "x.h5"), "write_modes: modes = None; accepted is natural modes or buckling shapes"),
+    (lambda: read_modes(5000 * "x"), "'x*' is not a file of modes"),
+    (lambda: plot_energy(other(None)), "plot_energy: result = None; accepted is a result"),
+    (lambda: plot_path(other(None)), "plot_path: result = None; accepted is a result"),
+    (lambda: plot_comparison({"a": still()}, other(None)), "plot_comparison: name = None; accepted is a text"),
+    (lambda: plot_convergence(other({"a": 1}), "h"), "series = {'a': 1}; accepted is a mapping of names to two lists of numbers"),
+    (lambda: save_figure(other(None), other(None)), "save_figure: path = None; accepted is a path"),
+    (lambda: picture(still(), other(None)), "picture: path = None; accepted is a path"),
+    (lambda: picture(still(), "x.png", field=other(None)), "picture: field = None; accepted is a text"),
+    (lambda: still().plate("strip", frame=other("x")), "plate: frame = 'x'; accepted is a whole number, or None"),
     (lambda: still().plate("strip", frame=9), "frame = 9; accepted is 0 to 1, or None"),
     (lambda: still().plate("strip", per_element=0), "per_element = 0; accepted is a number of intervals, 1 or more"),
     (lambda: still().save("/no/such/folder/x.h5"), "result file '/no/such/folder/x.h5': folder '/no/such/folder' does not exist"),

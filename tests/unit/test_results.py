@@ -250,6 +250,14 @@ def test_other_files_are_never_replaced(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs a folder nobody may write to")
+def test_devices_are_never_replaced(tmp_path: Path, bent: Result) -> None:
+    pipe = tmp_path / "pipe.h5"
+    os.mkfifo(pipe)
+    with pytest.raises(ResultFileError, match=r"result file '.*pipe\.h5' is a device; accepted is the name of a file"):
+        bent.save(pipe)
+    assert pipe.is_fifo()
+
+
 def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(ResultFileError, match=r"/proc/run\.h5' cannot be created.*accepted is a file in a writable folder"):
         ResultWriter("/proc/run.h5", SIGNALS, "time", N_Q)

@@ -50,7 +50,7 @@ class Edge:
     """
 
     def __init__(self, body: ShellBody, side: str) -> None:
-        if side not in SIDES:
+        if not isinstance(side, str) or side not in SIDES:
             raise DeclarationError(body.item, f"no edge '{side}'", "accepted is x-, x+, y- or y+")
         axis = "xy".index(side[0])
         if body.geometry.loops[axis]:

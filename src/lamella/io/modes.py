@@ -19,9 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
+from lamella.arguments import PATH, accepts, instance
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
-from lamella.io.result_layout import Node, is_hdf5, origin, plain, refuse_unfit
+from lamella.io.result_layout import Node, is_file, is_hdf5, origin, plain, refuse_unfit
 from lamella.modal import Modes
 from lamella.result import Cause, Outcome, Recorder, Result, Statistics
 from lamella.shapes import Shapes
@@ -36,6 +37,7 @@ SHARE = 0.12
 """Largest displacement of a drawn shape as a share of the largest extent of the bodies."""
 
 
+@accepts(modes=instance("natural modes or buckling shapes", Shapes), path=PATH)
 def write_modes(modes: Shapes, path: str | Path, *, model_text: str | None = None, title: str = "") -> Path:
     """Write shapes and their values to an HDF5 file; an existing one is replaced only when the new one is whole.
 
@@ -58,6 +60,7 @@ def write_modes(modes: Shapes, path: str | Path, *, model_text: str | None = Non
     return path
 
 
+@accepts(path=PATH)
 def read_modes(path: str | Path) -> Modes | Buckling:
     """Read a file of natural modes or buckling shapes; the model is compiled from the stored model file.
 
@@ -67,7 +70,7 @@ def read_modes(path: str | Path) -> Modes | Buckling:
     import h5py
 
     path = Path(path)
-    if not path.is_file() or not is_modes_file(path):
+    if not is_file(path) or not is_modes_file(path):
         raise ResultFileError(
             f"'{path}' is not a file of modes; accepted is one written for an analysis natural_modes or buckling"
         )

@@ -42,6 +42,8 @@ def create_file(path: Path, overwrite: bool, shown: str | Path) -> Node:
     import h5py
 
     refuse_unfit(path)
+    if path.exists() and not path.is_file():  # it would be removed, and HDF5 writes here and there in its file
+        raise ResultFileError(f"result file '{path}' is a device; accepted is the name of a file")
     if path.exists() and not overwrite:
         raise ResultFileError(f"result file '{path}' exists already; choose another name or ask to overwrite it")
     try:
@@ -58,12 +60,27 @@ def create_file(path: Path, overwrite: bool, shown: str | Path) -> Node:
 
 def refuse_unfit(path: Path) -> None:
     """Refuse a path in a folder that is not there, or of something that is no HDF5 file, such as the model file by mistake."""
+    try:
+        path.lstat()
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:  # too long a name, or one with a null character
+        why = getattr(error, "strerror", error)
+        raise ResultFileError(f"result file {str(path)!r} cannot be written: {why}; accepted is another name") from error
     if not path.parent.is_dir():
         raise ResultFileError(f"result file '{path}': folder '{path.parent}' does not exist; create it or choose another")
     if path.is_dir():
         raise ResultFileError(f"result file '{path}' is a folder; accepted is the name of a file")
     if path.exists() and path.stat().st_size and not is_hdf5(path):
         raise ResultFileError(f"'{path}' exists and is not a result file, so it is not replaced; choose another name")
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; none has a name too long for one."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def is_hdf5(path: Path) -> bool:

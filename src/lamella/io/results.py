@@ -30,6 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lamella.arguments import PATH, accepts
 from lamella.dofs import Signal
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.result_layout import (
@@ -242,6 +243,7 @@ class ResultWriter:
             group.create_dataset(name, data=value).attrs.update(plain({"units": unit, "long_name": label.replace("_", " ")}))
 
 
+@accepts(path=PATH)
 def write_result(result: Result, path: str | Path, *, title: str = "") -> Path:
     """Write a finished result to ``path``; an existing result file is replaced only when the new one is whole.
 

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from lamella.arguments import PATH, accepts
 from lamella.dofs import Signal
 from lamella.errors import ResultFileError
 from lamella.io.result_layout import (
     FORMAT,
     FORMAT_VERSION,
     Node,
+    is_file,
     is_hdf5,
     read_critical_points,
     read_events,
@@ -93,6 +95,7 @@ class StoredResult(Result):
         return State(t, self.frame_q[-1], self.frame_v[-1], unknown, np.empty(0), np.empty(0), factor)
 
 
+@accepts(path=PATH)
 def read_result(path: str | Path) -> StoredResult:
     """Read a result file, also one whose run was killed or is still going on.
 
@@ -102,7 +105,7 @@ def read_result(path: str | Path) -> StoredResult:
     import h5py
 
     path = Path(path)
-    if not path.is_file():
+    if not is_file(path):
         raise ResultFileError(f"result file '{path}' does not exist; accepted is a file written by lamella run or Result.save")
     other = f"'{path}' is not a result file; accepted is a file written by lamella run or Result.save"
     try:

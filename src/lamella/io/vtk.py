@@ -14,20 +14,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from lamella.arguments import TEXT, accepts, at_least, optional, sequence
+from lamella.arguments import PATH, TEXT, accepts, at_least, instance, optional, sequence
 from lamella.errors import ResultFileError
 from lamella.io.result_layout import Node, refuse_unfit
+from lamella.result import Result
 from lamella.roles import Floats, Ints
 from lamella.viz.fields import Snapshot, SurfaceField, SurfaceSampler, available
 from lamella.viz.solids import SolidSampler, SolidShot, drawable
 from lamella.whole import replaced_hdf5
-
-if TYPE_CHECKING:
-    from lamella.result import Result
 
 VERSION = (2, 0)
 VTK_TRIANGLE, VTK_QUAD = 5, 9
@@ -38,7 +36,7 @@ PACKED: dict[str, Any] = {"dtype": "f4", "compression": "gzip", "compression_opt
 """More than the least compression takes half as long again and saves 3 %."""
 
 
-@accepts(per_element=at_least(1), fields=optional(sequence(TEXT)))
+@accepts(result=instance("a result", Result), path=PATH, per_element=at_least(1), fields=optional(sequence(TEXT)))
 def write_vtkhdf(result: Result, path: str | Path, *, per_element: int = 4, fields: Sequence[str] | None = None) -> Path:
     """Write the frames of a result for ParaView (File > Open, reader "VTKHDF").
 

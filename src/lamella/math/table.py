@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
+from lamella.arguments import PATH, accepts
 from lamella.declaration import declaration
 from lamella.errors import DeclarationError
 from lamella.math.time_function import Integrable
@@ -48,6 +49,7 @@ class Table(Integrable):
                 raise ValueError(f"times {k} and {k + 1} are {t:g} and {t_next:g}; accepted are strictly increasing times")
 
     @classmethod
+    @accepts(path=PATH)
     def from_csv(cls, path: str | Path, interpolation: Interpolation = "linear") -> Table:
         """Read a table from a text file with two columns, time [s] and value, separated by a comma.
 
@@ -67,7 +69,7 @@ class Table(Integrable):
         )
         try:
             lines = Path(path).read_text(encoding="utf-8-sig").splitlines()  # utf-8-sig: spreadsheets write a byte-order mark
-        except (OSError, UnicodeDecodeError) as error:
+        except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or "it is not text"
             raise DeclarationError(item, f"the file cannot be read: {reason}", accepted) from error
         points = _points(lines, item, accepted)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lamella.accepted import SOLVER, STATE, SYSTEM
-from lamella.arguments import NAMED, NAMES, NUMBER, accepts, instance
+from lamella.arguments import NAMED, NAMES, REAL, TEXT, accepts, instance
 from lamella.assembly.equations import Equations
 from lamella.errors import ConvergenceError, DeclarationError, ModelError
 from lamella.integrate.base import Integrator
@@ -80,7 +80,7 @@ class Stepping:
         integrator=instance("an integrator such as GeneralizedAlpha(dt=1e-3)", Integrator),
         inputs=NAMED,
         outputs=NAMES,
-        t_start=NUMBER,
+        t_start=REAL,
         initial=STATE,
         solver=SOLVER,
     )
@@ -167,7 +167,7 @@ class Stepping:
         """What happened so far."""
         return list(self._march.watch.happened)
 
-    @accepts(value=NUMBER)
+    @accepts(name=TEXT, value=REAL)
     def set(self, name: str, value: float) -> None:
         """Set an input, which acts from the present time on.
 
@@ -179,6 +179,7 @@ class Stepping:
         refuse_unusable(ITEM, name, value)
         self._wanted[name] = float(value)
 
+    @accepts(name=TEXT)
     def get(self, name: str) -> float | Floats:
         """A recorded signal at the present time, or one of its components.
 
@@ -195,14 +196,14 @@ class Stepping:
         value = np.array(signal.evaluate(self._march.state), float)
         return float(np.atleast_1d(value)[found[0][1]]) if name != signal.name or not signal.labels else value
 
-    @accepts(dt=NUMBER)
+    @accepts(dt=REAL)
     def advance(self, dt: float) -> Outcome:
         """Advance by a communication step of dt [s]; see :meth:`advance_to`."""
         if not dt > 0.0:
             raise DeclarationError(ITEM, f"a communication step of {dt} s", "accepted is a positive number")
         return self.advance_to(self.t + dt)
 
-    @accepts(t=NUMBER)
+    @accepts(t=REAL)
     def advance_to(self, t: float) -> Outcome:
         """Advance to the time t [s].
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamella.arguments import TEXT, accepts, instance, optional, sequence
 from lamella.errors import DeclarationError
+from lamella.result import Result
 from lamella.viz.plots import AXIS_LABEL, LOAD_FACTOR, POSITION, SMALLEST_SPAN, columns_of, note_outcome, signal_of
 from lamella.viz.style import COLOURS, COMPONENT_COLOURS, INK, new_figure, styled
 
@@ -15,12 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lamella.result import Result
-
 MARKERS = {"limit point": "o", "bifurcation": "D"}
 """Signs of the kinds of critical points."""
 
 
+@accepts(result=instance("a result", Result), names=optional(sequence(TEXT, least=1)))
 def plot_path(result: Result, names: Sequence[str] | None = None, *, title: str = "") -> Figure:
     """Load-displacement curves: the load factor over the displacement of each position; a row for each, a column a component.
 

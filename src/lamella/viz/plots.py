@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamella.arguments import TEXT, accepts, instance, mapping, optional, sequence
+from lamella.arguments import TEXT, Kind, accepts, instance, mapping, numbers, optional, sequence
 from lamella.errors import DeclarationError
 from lamella.result import Result
 from lamella.roles import Floats
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NUMBERS = numbers("a list of numbers")
+CURVE = Kind(
+    lambda value: isinstance(value, Sequence) and len(value) == 2 and all(map(NUMBERS.accepts, value)), "two lists of numbers"
+)
 AXIS_LABEL = {"time": "Time [s]", "load_factor": "Load factor [–]", "path": "Point on the path [–]"}
 LOAD_FACTOR = "load_factor"
 ENERGIES = ("energy.", "work.")
@@ -80,6 +84,7 @@ def plot_signals(result: Result, names: Sequence[str] | None = None, *, title: s
     return figure
 
 
+@accepts(result=instance("a result", Result))
 def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
     """Energies and works over time, and below them what the balance leaves over.
 
@@ -113,7 +118,7 @@ def plot_energy(result: Result, *, title: str = "Energy balance") -> Figure:
     return figure
 
 
-@accepts(results=mapping(instance("a result", Result), least=1))
+@accepts(results=mapping(instance("a result", Result), least=1), name=TEXT)
 def plot_comparison(
     results: Mapping[str, Result],
     name: str,
@@ -194,6 +199,7 @@ def plot_curves(
     return figure
 
 
+@accepts(series=mapping(CURVE), orders=NUMBERS)
 def plot_convergence(
     series: Mapping[str, Curve],
     x_label: str,

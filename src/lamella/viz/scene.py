@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lamella.arguments import FINITE, POSITIVE, Kind, accepts, at_least, instance, optional
+from lamella.arguments import FINITE, PATH, POSITIVE, TEXT, Kind, accepts, at_least, instance, optional
 from lamella.errors import DeclarationError, ResultFileError
 from lamella.io.modes import mode_frames, natural_amplitude
 from lamella.result import Result
@@ -80,13 +80,15 @@ class Drawing:
 
 def _is_place(value: object) -> bool:
     """Whether a value is a place on the axis of a result, or some."""
-    if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str):
+    if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes)):
         return len(value) > 0 and all(map(FINITE.accepts, value))
     return FINITE.accepts(value)
 
 
 @accepts(
     result=instance("a result", Result),
+    path=PATH,
+    field=TEXT,
     at=optional(Kind(_is_place, "a finite number, or a list of one or more")),
     scale=FINITE,
     per_element=at_least(1),
@@ -136,7 +138,7 @@ def picture(
     return composer.save(Path(path))
 
 
-@accepts(modes=instance("natural modes or buckling shapes", Shapes), count=at_least(1))
+@accepts(modes=instance("natural modes or buckling shapes", Shapes), path=PATH, count=at_least(1))
 def mode_sheet(
     modes: Shapes,
     path: str | Path,
@@ -167,6 +169,8 @@ def mode_sheet(
 
 @accepts(
     result=instance("a result", Result),
+    path=PATH,
+    field=TEXT,
     scale=FINITE,
     per_element=at_least(1),
     width=at_least(LEAST_WIDTH),

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lamella.arguments import PATH, accepts
 from lamella.errors import ResultFileError
 from lamella.whole import replaced
 
@@ -97,6 +98,7 @@ def place_legend(axes: Axes) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
+@accepts(path=PATH)
 def save_figure(figure: Figure, path: str | Path, dpi: int = RC["savefig.dpi"], *, colours: int | None = 256) -> Path:
     """Save as PNG, SVG or PDF, by the suffix; the same figure gives the same bytes.
 
