@@ -217,3 +217,16 @@ def test_missing_python_control_is_told(plate, monkeypatch):
 def test_frequencies_that_are_none_are_refused(plate, frequencies):
     with pytest.raises(DeclarationError, match=r"frequency_response: frequencies = .*; accepted is "):
         plate.frequency_response(frequencies)
+
+
+@pytest.mark.parametrize("damping", [-1.5e-14, 0.0, 1e-16, 1.5e-14])
+def test_what_rounding_leaves_of_a_rigid_body_motion_counts_as_zero(damping):
+    """x'' = u beside a vibration of 1216 rad/s, with a damping of either sign that is less than its last digit."""
+    A = np.zeros((4, 4))
+    A[:2, :2], A[2:, 2:] = [[0.0, 1.0], [0.0, -damping]], [[0.0, 1.0], [-(1216.0**2), -100.0]]
+    B, C = np.array([[0.0], [1.0], [0.0], [1.0]]), np.array([[1.0, 0.0, 1.0, 0.0]])
+    model = lm.StateSpace(A, B, C, np.zeros((1, 1)), ("u",), ("y",), ("1",), ("1",), np.zeros(1), np.zeros(1))
+    reduced = model.balanced(2)
+    assert np.abs(reduced.poles()).max() < 1e-6
+    slow = np.array([1e-3])
+    assert reduced.frequency_response(slow)[0, 0, 0] == pytest.approx(-1.0 / (2e-3 * np.pi) ** 2, rel=1e-6)

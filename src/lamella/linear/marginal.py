@@ -17,6 +17,9 @@ CERTAIN = 1e5
 ZERO, MIRRORED = 1e-8, 1e-2
 """Size of a pole, as a share of the fastest vibration, and the part of it by which another differs from its mirror image, below
 which both are what rounding of the stiffness makes of a rigid-body motion: two poles at zero."""
+DROWNED = 1e-15
+"""Size of a pole, as a share of the fastest, below which it is zero: what rounding leaves of the damping of a rigid-body motion
+without any stiffness decays for certain by its own digits."""
 
 
 def marginal(A: Floats) -> tuple[NDArray[np.complex128], NDArray[np.bool_], NDArray[np.bool_]]:
@@ -40,7 +43,7 @@ def marginal(A: Floats) -> tuple[NDArray[np.complex128], NDArray[np.bool_], NDAr
     certain = decay * along > CERTAIN * rounding
     small = np.flatnonzero(np.abs(poles) <= max(MARGINAL * fastest, ZERO * np.abs(np.imag(poles)).max()))
     sums = np.abs(poles[small][:, None] + poles[small]) + np.diag(np.full(len(small), np.inf))
-    mirrored = np.zeros(len(poles), bool)
-    mirrored[small] = (sums <= MIRRORED * np.abs(poles[small])[:, None]).any(axis=1)
+    mirrored = np.abs(poles) <= DROWNED * fastest
+    mirrored[small] |= (sums <= MIRRORED * np.abs(poles[small])[:, None]).any(axis=1)
     kept = mirrored | ((decay < MARGINAL * fastest) & ~certain)
     return poles, kept, mirrored | (kept & (np.abs(poles) <= MARGINAL * fastest))
