@@ -228,15 +228,15 @@ class March:
             while jumps:
                 before = self.t
                 stop = min(jumps[0], self.sampling.next(self.t, jumps[0]))
-                jumping = stop == jumps[0] and stop < self.t_end
+                jumping = stop in self.equations.model.breakpoints  # also at the end, which does not feel what would begin
                 failure = self.advance(stop, jumping)
                 if failure is not None:
                     return failure
                 if stop == jumps[0]:
                     jumps = jumps[1:]
-                if jumping:
-                    self.restart()
                 if stop < self.t_end:
+                    if jumping:
+                        self.restart()
                     self.control(before)
         except KeyboardInterrupt:
             return Outcome(Cause.INTERRUPTED, self.t, self.t_end)

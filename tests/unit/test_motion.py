@@ -204,3 +204,21 @@ def test_a_force_that_jumps_works_from_then_on(begins):
     result = lm.simulate(system, 1.0, lm.GeneralizedAlpha(dt=0.02, rho_inf=0.9))
     assert result["work.loads"].values[-1] == pytest.approx(5.0 * (10.0 * 0.5 + 0.5 * 5.0 * 0.5**2), rel=1e-5)
     assert np.abs(result["energy.balance"].values).max() <= 1e-9
+
+
+@pytest.mark.parametrize(
+    "method", [lm.GeneralizedAlpha(dt=0.01, rho_inf=0.9, stabilised=True), lm.BDF(dt=0.01, dt_max=0.01)], ids=["alpha", "bdf"]
+)
+@pytest.mark.parametrize("way", [lm.Ramp(t_end=0.5, end=2.0), lm.Table((0.0, 0.5), (0.0, 2.0))], ids=["ramp", "table"])
+def test_a_run_to_the_end_of_a_profile_does_not_feel_that_it_stops(method, way):
+    """A slide at 4 m/s all the way: behind 0.5 s it would stand still."""
+    system, ground = lm.System(), lm.Ground()
+    sledge = system.add(lm.RigidBody("sledge", mass=1.0, inertia=(1.0, 1.0, 1.0), velocity=(4.0, 0.0, 0.0)))
+    rail = system.add(lm.PrismaticJoint("rail", ground.origin, sledge.origin, axis=(1, 0, 0)))
+    system.add(lm.SlideDrive("motor", rail, displacement=way))
+    result = lm.simulate(system, 0.5, method)
+    assert result.at[-1] == 0.5
+    np.testing.assert_allclose(result["rail.speed"].values, 4.0, rtol=1e-9)
+    assert result["rail.displacement"].values[-1] == pytest.approx(2.0, rel=1e-8)
+    assert np.abs(result["motor.force"].values).max() <= 1e-5  # rounding of 4 m/s over steps of 10 ms
+    assert result["energy.balance"].values[-1] == pytest.approx(0.0, abs=1e-8)
