@@ -117,6 +117,13 @@ def test_transitions_run_from_start_to_end(cls) -> None:
     assert [profile.value(t) for t in (-5.0, 1.0, 2.0, 3.0, 9.0)] == pytest.approx([2.0, 2.0, 4.0, 6.0, 6.0])
 
 
+@pytest.mark.parametrize("cls", [Ramp, SmoothStep, Cycloid])
+def test_a_transition_of_almost_no_duration_is_a_jump(cls) -> None:
+    jump = cls(t_end=1e-200, end=3.0)
+    assert [jump.value(t) for t in (-1.0, 0.0, 1.0)] == [0.0, 0.0, 3.0]
+    assert [jump.acceleration(t) for t in (-1.0, 0.0, 1.0)] == [0.0, 0.0, 0.0]
+
+
 def test_peaks_of_the_smooth_transitions() -> None:
     """Known factors over 1 s: quintic 15/8 and 10/sqrt(3), cycloid 2 and 2 pi."""
     smooth, cycloid = SmoothStep(t_end=1.0), Cycloid(t_end=1.0)

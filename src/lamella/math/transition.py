@@ -60,7 +60,8 @@ class Transition(Integrable):
 
     def acceleration(self, t: float) -> float:
         """Second derivative by time [1/s^2]."""
-        return (self.end - self.start) * self._at(t)[2] / (self.t_end - self.t_start) ** 2
+        duration = self.t_end - self.t_start
+        return (self.end - self.start) * self._at(t)[2] / duration / duration  # the square of a short one may be zero
 
     def integral(self, t: float) -> float:
         """Integral from 0 to t [s]."""
