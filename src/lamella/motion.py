@@ -121,13 +121,13 @@ def simulate(
         point, start = consistent_start(equations, linear, t_start, initial)
         if progress:
             sinks = (ProgressBar("motion", t_start, t_end, statistics=statistics), *sinks)
-        recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks, remembering=model.remembering)
+        recorder = Recorder(system_signals(equations), "time", t_start, t_end, frames, sinks)
         march = March(equations, integrator, recorder, statistics, t_end, linear, solver, every, stride)
         march.begin(point)
         statistics.seconds_compile = time.perf_counter() - began
         ended = replace(march.run(), start=start)
         final = model.remembering(march.whole())  # an interruption may come behind a step that is not recorded
-        outcome = _judged(ended, equations, final, recorder)
+        outcome = replace(_judged(ended, equations, final, recorder), final=final)
     statistics.seconds_run = time.perf_counter() - began - statistics.seconds_compile
     recorder.close(outcome, statistics)
     result = Result(model, recorder, final, outcome, statistics)

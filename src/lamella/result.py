@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -105,6 +105,7 @@ class Outcome:
         start: what was changed in the initial state.
         critical_points: where the stiffness became singular, in the order met; in statics.
         error: of the function that failed.
+        final: the last state, with what it remembers.
     """
 
     cause: Cause
@@ -115,6 +116,7 @@ class Outcome:
     start: Start = Start()
     critical_points: tuple[CriticalPoint, ...] = ()
     error: FunctionError | None = field(default=None, compare=False)
+    final: State | None = field(default=None, compare=False, repr=False)
 
     @property
     def completed(self) -> bool:
@@ -182,7 +184,6 @@ class Recorder:
         axis: ``time`` [s], ``load_factor``, or ``path`` (number of the point on an equilibrium path).
         frames: number of equally spaced frames kept over the whole solution.
         sinks: receive every sample and frame at once.
-        remembering: adds to a state what it remembers, for the sinks.
 
     Attributes:
         values: of each sample all components of all signals, side by side, shape (n_components,).
@@ -199,7 +200,6 @@ class Recorder:
     frame_at: list[float] = field(default_factory=list)
     frame_q: list[Floats] = field(default_factory=list)
     frame_v: list[Floats] = field(default_factory=list)
-    remembering: Callable[[State], State] = field(default=lambda state: state, kw_only=True)
 
     def __post_init__(self) -> None:
         ends = np.cumsum([0, *(max(len(signal.labels), 1) for signal in self.signals)]).tolist()
@@ -234,7 +234,7 @@ class Recorder:
         self.frame_q.append(state.q.copy())
         self.frame_v.append(state.v.copy())
         for sink in self.sinks:
-            sink.frame(at, self.remembering(state))
+            sink.frame(at, state)
 
     def samples(self) -> dict[str, Floats]:
         """All samples of each signal by its name, shape (n, n_label), with one column where it has no labels."""

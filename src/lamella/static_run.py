@@ -127,7 +127,6 @@ class StaticRun:
             start,
             until,
             sinks=(bar, *sinks) if bar else sinks,
-            remembering=self.model.remembering,
         )
         self.q, self.state = self.equations.coordinates(self.point), self.equations.state(self.point)
         self.statistics.seconds_compile = time.perf_counter() - self.began
@@ -214,10 +213,11 @@ class StaticRun:
 
     def close(self, outcome: Outcome, on_failure: str) -> Result:
         """End the recording and give the result, or raise."""
-        outcome = replace(self.judged(outcome), start=self.start, critical_points=tuple(self.critical_points))
+        final, points = self.model.remembering(self.state), tuple(self.critical_points)
+        outcome = replace(self.judged(outcome), start=self.start, critical_points=points, final=final)
         self.statistics.seconds_run = time.perf_counter() - self.began - self.statistics.seconds_compile
         self.recorder.close(outcome, self.statistics)
-        result = Result(self.model, self.recorder, self.model.remembering(self.state), outcome, self.statistics)
+        result = Result(self.model, self.recorder, final, outcome, self.statistics)
         if not outcome.completed and on_failure == "raise":
             raise error_of(result, f"the equilibrium {outcome}")
         return result

@@ -225,3 +225,17 @@ def test_a_run_writes_what_its_end_remembers_and_a_killed_one_what_it_can(tmp_pa
     killed = lm.read_result(paths[1]).final
     assert (killed.t, killed.factor, killed.memory) == (0.5, 1.0, None)
     writers[1].discard()
+
+
+def test_a_latch_that_engages_in_the_last_step_is_engaged_in_its_file(tmp_path: Path) -> None:
+    system = latched()
+    system.add(lm.Event("there", watch="pin.angle", value=1.5, action="stop"))
+    model = system.compile()
+    writer = ResultWriter(tmp_path / "run.h5", system_signals(Equations(model)), "time", model.n_q)
+    run = lm.simulate(model, 1.0, STEPS, sinks=[writer], frames=10_000)  # each step is one
+    ended = run.at[-1]
+    assert ended < 1.0
+    run.save(tmp_path / "saved.h5")
+    for final in (run.final, *(lm.read_result(tmp_path / name).final for name in ("run.h5", "saved.h5"))):
+        held = lm.simulate(latched(), ended + 0.5, STEPS, t_start=ended, initial=final)
+        assert np.abs(held["pin.angle"].values - 1.5).max() < 0.4  # 3 rad/s against 10 rad/s of the latch: 0.3 rad

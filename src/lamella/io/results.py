@@ -26,6 +26,7 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +110,7 @@ class ResultWriter:
         self._frame_q: list[Floats] = []
         self._frame_v: list[Floats] = []
         self._flush_seconds, self._flushed = flush_seconds, time.monotonic()
-        self._final: State | None = None
+        self._frames = 0
         self._failed = self._damaged = False
         self._file = create_file(self.path, overwrite, self._shown)
         self._signal_rows: dict[str, Node] = {}
@@ -140,9 +141,9 @@ class ResultWriter:
     def frame(self, at: float, state: State) -> None:
         """One frame of all coordinates and velocities."""
         self._keep_frame(at, state.q, state.v)
-        self._final = state
 
     def _keep_frame(self, at: float, q: Floats, v: Floats) -> None:
+        self._frames += 1
         self._frame_at.append(at)
         self._frame_q.append(np.array(q))
         self._frame_v.append(np.array(v))
@@ -171,9 +172,10 @@ class ResultWriter:
                 stack.callback(self._close_file)
                 if not self._damaged:
                     size = _MARGIN // 2 + sum(64 + len(event.name) + len(event.text) for event in outcome.events)
-                    size += 0 if self._final is None else room_for_final(self._final)
+                    final = None if self._failed or not self._frames else outcome.final  # beside the last frame
+                    size += 0 if final is None else room_for_final(final)
                     size += sum(512 + 8 * (2 * len(point.shape) + len(point.state.lam)) for point in outcome.critical_points)
-                    self._burst(lambda: self._write_end(outcome, statistics), size)
+                    self._burst(lambda: self._write_end(outcome, statistics, final), size)
 
     def discard(self) -> None:
         """Close and remove the file, for a run that ended before its first sample."""
@@ -229,14 +231,14 @@ class ResultWriter:
         for pending in (self._at, self._rows, self._frame_at, self._frame_q, self._frame_v):
             pending.clear()
 
-    def _write_end(self, outcome: Outcome, statistics: Statistics) -> None:
+    def _write_end(self, outcome: Outcome, statistics: Statistics, final: State | None) -> None:
         write_outcome(self._file, outcome.cause.name.lower(), outcome.reached, outcome.target, outcome.detail)
         write_start(self._file, outcome.start)
         write_events(self._file["events"], outcome.events)
         if outcome.critical_points:
             write_critical_points(self._file.create_group("critical_points"), outcome.critical_points)
-        if self._final is not None:
-            write_final(self._file.create_group("final"), self._final)
+        if final is not None:
+            write_final(self._file.create_group("final"), final)
         group = self._file["statistics"]
         for name, value in statistics.as_dict().items():
             unit, label = ("s", name.removeprefix("seconds_") + " time") if name.startswith("seconds_") else ("1", name)
@@ -282,8 +284,8 @@ def _write_all(writer: ResultWriter, result: Result) -> None:
         writer.sample(float(at), [column[step] for column in columns])
     for at, q, v in zip(result.frame_at, result.frame_q, frame_velocities(result), strict=True):
         writer._keep_frame(float(at), q, v)
-    writer._final = result.final if len(result.frame_at) else None
-    writer.close(result.outcome, result.statistics)
+    final = result.final if len(result.frame_at) else None
+    writer.close(replace(result.outcome, final=final), result.statistics)
 
 
 def frame_velocities(result: Result) -> Floats:
