@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
 
 import lamella as lm
@@ -46,6 +47,30 @@ def test_statistics_are_taken_of_the_steps_that_a_result_records() -> None:
     found = lm.gradient(hub, {"torque": 0.04}, {"angle": angle}, analyses=(spin_up(stride=7),))
     run = lm.simulate(hub(0.04), T_END, spin_up().integrator, stride=7)
     assert found.values["angle"] == pytest.approx(angle.value(run), rel=1e-9)
+
+
+def wound(stiffness: float) -> lm.System:
+    """A wheel that spins against a spring."""
+    system, ground = lm.System(), lm.Ground()
+    wheel = system.add(lm.RigidBody("wheel", mass=1.0, inertia=(1.0, 1.0, 1.0), angular_velocity=(0.0, 0.0, 9.0)))
+    pin = system.add(lm.RevoluteJoint("pin", ground.origin, wheel.origin))
+    system.add(lm.TorsionSpring("spring", pin, stiffness=stiffness))
+    return system
+
+
+def test_derivatives_go_on_with_the_turns_of_the_motion_before() -> None:
+    """A motion in two parts has the derivatives of the whole, but for the algorithmic acceleration, which begins anew: dt^2."""
+    steps, names = lm.GeneralizedAlpha(5e-3, newton=lm.Newton(tolerance=1e-12)), ("pin.angle", "spring.torque")
+    first, second = lm.Motion("first", 0.5, steps), lm.Motion("second", 1.2, steps, t_start=0.5, start="first")
+    found = []
+    for analyses in ((lm.Motion("second", 1.2, steps),), (first, second)):
+        outputs = {name: lm.SignalOutput(name, analysis="second") for name in names}
+        found.append(lm.gradient(wound, {"stiffness": 1.0}, outputs, analyses=analyses))
+    whole, parts = found
+    assert whole.values["pin.angle"] > 2.0 * np.pi
+    for name in names:
+        assert parts.values[name] == pytest.approx(whole.values[name], rel=1e-5)
+        assert parts[name, "stiffness"] == pytest.approx(whole[name, "stiffness"], rel=1e-4)
 
 
 def strip(width: float) -> lm.System:

@@ -27,6 +27,7 @@ from lamella.linear.outputs import OF_HISTORY
 from lamella.model import Model
 from lamella.result import Result, Sink
 from lamella.roles import Floats
+from lamella.state import State
 from lamella.sweep.outputs import MassOutput, ShapeOutput, SignalOutput, StudyOutput
 
 FEW = 6
@@ -44,6 +45,7 @@ class Chain:
         sinks: makes those that receive the solutions while they run.
         computed: what each analysis gave, by name.
         ends: derivatives of the last state of each analysis by each parameter.
+        beside: what the models beside each parameter remember then.
         values, derivatives: of each output, by name.
     """
 
@@ -53,6 +55,7 @@ class Chain:
     sinks: Callable[[], Sequence[Sink]] = tuple
     computed: dict[str, Computed] = field(default_factory=dict)
     ends: dict[str, list[PointDerivative]] = field(default_factory=dict)
+    beside: dict[str, list[list[State]]] = field(default_factory=dict)
     values: dict[str, float] = field(default_factory=dict)
     derivatives: dict[str, Floats] = field(default_factory=dict)
 
@@ -87,7 +90,9 @@ class Chain:
         found = static_derivatives(ExactMatrix(self.equations), point, self.neighbours)
         self.ends[analysis.name] = found
         for each, derivative in zip(self.neighbours, found, strict=True):
+            each.begin([result.final] * len(each.sides))
             each.settle(point.t, lambda side, known=derivative: side.equations.coordinates(known.moved(point, side.distance)))
+        self.beside[analysis.name] = [each.remembering(result.final) for each in self.neighbours]
         self._sample_end(outputs, point, found)
 
     def _motion(self, analysis: Motion, outputs: Mapping[str, StudyOutput]) -> None:
@@ -95,6 +100,7 @@ class Chain:
         others = {name: output for name, output in outputs.items() if name not in ends}
         signals = SignalDerivatives(self.equations, self.neighbours, _names(others))
         start = None if analysis.start is None else self.ends[analysis.start]
+        beside = None if analysis.start is None else self.beside[analysis.start]
         assert isinstance(analysis.integrator, GeneralizedAlpha), "refused before"
         last: list[tuple[Point, list[PointDerivative]]] = []
         sinks = self.sinks()
@@ -105,7 +111,7 @@ class Chain:
             for sink in sinks:
                 sink.sample(point.t, ())
 
-        method = DifferentiatedAlpha(analysis.integrator, self.neighbours, start, sample)
+        method = DifferentiatedAlpha(analysis.integrator, self.neighbours, start, sample, beside)
         equations = self.equations if len(self.neighbours) <= FEW else exact(self.equations)
         initial = state_of(analysis, analysis.start, self.computed)
         result = differentiated_run(equations, method, analysis.t_start, analysis.t_end, initial)
@@ -113,6 +119,7 @@ class Chain:
             sink.close(result.outcome, result.statistics)
         self._completed(analysis, result)
         point, self.ends[analysis.name] = last[0]
+        self.beside[analysis.name] = [each.remembering(result.final) for each in self.neighbours]
         if others:
             steps = len(signals.at)
             self._keep(signals, others, np.unique(np.append(np.arange(0, steps, analysis.stride), steps - 1)))

@@ -55,12 +55,14 @@ class DifferentiatedAlpha(Integrator):
         neighbours: of each parameter.
         start: derivatives of the initial state; None for the reference configuration.
         sample: takes each point with its derivatives.
+        beside: what the models beside each parameter remember at the start.
     """
 
     options: GeneralizedAlpha
     neighbours: Sequence[Neighbours]
     start: Sequence[PointDerivative] | None
     sample: Sample
+    beside: Sequence[Sequence[State]] | None = None
 
     def __post_init__(self) -> None:
         for name in ("dt", "dt_min", "dt_max", "tolerance"):
@@ -82,7 +84,7 @@ def differentiated_run(
         equations: what moves.
         method: the integrator.
         t_start, t_end: time at the start and at the end [s].
-        initial: positions and velocities to start from; the reference configuration when left out.
+        initial: state to start from; the reference configuration when left out.
 
     Raises:
         ModelError: the system is locked, or described in a frame that spins.
@@ -90,7 +92,7 @@ def differentiated_run(
     """
     model, statistics = equations.model, Statistics()
     refuse_spin(model, "gradient")
-    model.reset()
+    model.begin(initial)
     equations.forget()
     linear = linear_solver(equations.matrix.pattern)
     point, _ = consistent_start(equations, linear, t_start, initial)
@@ -98,7 +100,7 @@ def differentiated_run(
     march = March(equations, method, recorder, statistics, t_end, linear, stride=sys.maxsize)
     march.begin(point)
     outcome = march.run()
-    return Result(model, recorder, march.whole(), outcome, statistics)
+    return Result(model, recorder, model.remembering(march.whole()), outcome, statistics)
 
 
 class DifferentiatedStepper(GeneralizedAlphaStepper):
@@ -129,7 +131,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         if self.stabilised is not None or isinstance(newton, StaggeredNewton):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
-        self.neighbours, self.given, self.sample = made.neighbours, made.start, made.sample
+        self.neighbours, self.given, self.sample, self.beside = made.neighbours, made.start, made.sample, made.beside
         self.matrix = ExactMatrix(equations, newton.linear)
         self._tolerance = made.options.newton.tolerance
         self._adopt, self._turn_to = newton.adopt, newton.turn_to
@@ -149,8 +151,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         before = point if first else self.point
         super().restart(point)
         if first:
-            for each in self.neighbours:
-                each.reset()
+            for k, each in enumerate(self.neighbours):
+                each.begin(None if self.beside is None else self.beside[k])
             given = self.given or [None] * len(self.neighbours)
             self.derivatives = [
                 start_derivative(*pair) for pair in zip(self.neighbours, [point] * len(given), given, strict=True)

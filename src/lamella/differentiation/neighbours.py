@@ -14,6 +14,7 @@ from lamella.differentiation.difference import PartDifference, Side, WholeDiffer
 from lamella.errors import DeclarationError, LamellaError
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock
+from lamella.state import State
 from lamella.system import System
 
 STEP = 5e-5
@@ -68,10 +69,14 @@ class Neighbours:
             for block in blocks:
                 block.settle(t, q)
 
-    def reset(self) -> None:
-        """Put the models back to the start of a run."""
-        for side in self.sides:
-            side.equations.model.reset()
+    def begin(self, states: Sequence[State] | None) -> None:
+        """Let the models begin anew, with what these states, one for each, remember."""
+        for k, side in enumerate(self.sides):
+            side.equations.model.begin(None if states is None else states[k])
+
+    def remembering(self, state: State) -> list[State]:
+        """A state with what each model remembers now."""
+        return [side.equations.model.remembering(state) for side in self.sides]
 
 
 def neighbours_of(name: str, base: Equations, value: float, size: float, made: Callable[[float], System]) -> Neighbours:
