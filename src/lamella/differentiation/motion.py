@@ -237,13 +237,15 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
 
         By energy the derivative by a parameter that moves places is all stretch of the membrane: it is measured beside that.
         """
-        predicted = any(guess is not None for _, _, guess in changes)
-        starts = [self._from_first(k, point) for k in range(len(changes))] if not predicted else []
-        moved = [at_first is not None for at_first in self._at_first]
-        self.matrix.by_energy = not predicted and moved == [start is not None for start in starts]
-        unsteady = all(prediction.unsteady for prediction in self._predictions)
-        self.matrix.enough = (OF_ENERGY if self.matrix.by_energy else 1.0 if unsteady else SHARE) * self._tolerance
-        return changes if predicted else [(dr, ds, start) for (dr, ds, _), start in zip(changes, starts, strict=True)]
+        matrix, unsteady = self.matrix, all(prediction.unsteady for prediction in self._predictions)
+        matrix.by_energy, matrix.enough = False, (1.0 if unsteady else SHARE) * self._tolerance
+        if any(guess is not None for _, _, guess in changes):
+            return changes
+        starts = [self._from_first(k, point) for k in range(len(changes))]
+        matrix.by_energy = all((one is None) == (other is None) for one, other in zip(starts, self._at_first, strict=True))
+        if matrix.by_energy:
+            matrix.enough = OF_ENERGY * self._tolerance
+        return [(dr, ds, start) for (dr, ds, _), start in zip(changes, starts, strict=True)]
 
     def _from_first(self, k: int, point: Point) -> Floats | None:
         """What the derivative by parameter number k may be near to, from that at the start, if it moves places."""

@@ -111,14 +111,10 @@ def _begin(
     known: int, z: Floats, left: Floats, force: Floats, directions: Floats, images: Floats, forces: Floats, weights: Floats,
     by_energy: bool,
 ) -> float:  # fmt: skip
-    """Take what is known into z; the square of what was left before."""
-    n = len(left)
-    if not by_energy:
-        for i in range(n):
-            put_at(force, i, number_at(weights, i) * number_at(left, i))
-    whole = dot(left, 0, force, 0, n)
+    """Take what is known into z; the energy of what was left before."""
+    whole = dot(left, 0, force, 0, len(left)) if by_energy else 0.0
     for k in range(known):
-        _take(z, left, force, k, directions, images, forces)
+        _take(z, left, force, k, directions, images, forces, weights, by_energy)
     return whole
 
 
@@ -136,33 +132,44 @@ def _improve(
     if by_energy:
         for i in range(len(rest)):
             put_at(forces, at + i, -number_at(rest, i))
-    else:
-        for i in range(n):
-            put_at(forces, at + i, number_at(weights, i) * number_at(images, at + i))
     for before in range(0, at, n):
-        share = dot(forces, before, images, at, n)
+        share = _product(images, forces, before, images, at, weights, by_energy)
         add_row(directions, at, -share, directions, before, n)
         add_row(images, at, -share, images, before, n)
-        add_row(forces, at, -share, forces, before, n)
-    size = dot(forces, at, images, at, n)
+        if by_energy:
+            add_row(forces, at, -share, forces, before, n)
+    size = _product(images, forces, at, images, at, weights, by_energy)
     if not size > 0.0:
         return False
     factor = 1.0 / sqrt(size)
     set_row(directions, at, factor, directions, at, n)
     set_row(images, at, factor, images, at, n)
-    set_row(forces, at, factor, forces, at, n)
-    _take(z, left, force, k, directions, images, forces)
+    if by_energy:
+        set_row(forces, at, factor, forces, at, n)
+    _take(z, left, force, k, directions, images, forces, weights, by_energy)
     return True
 
 
 @inner
-def _take(z: Floats, left: Floats, force: Floats, k: int, directions: Floats, images: Floats, forces: Floats) -> None:
+def _take(
+    z: Floats, left: Floats, force: Floats, k: int, directions: Floats, images: Floats, forces: Floats, weights: Floats,
+    by_energy: bool,
+) -> None:  # fmt: skip
     """Take the share of a direction in what is left into z."""
     n = len(left)
-    share = dot(forces, k * n, left, 0, n)
+    share = _product(images, forces, k * n, left, 0, weights, by_energy)
     add_row(z, 0, share, directions, k * n, n)
     add_row(left, 0, -share, images, k * n, n)
-    add_row(force, 0, -share, forces, k * n, n)
+    if by_energy:
+        add_row(force, 0, -share, forces, k * n, n)
+
+
+@inner
+def _product(images: Floats, forces: Floats, at: int, x: Floats, x_at: int, weights: Floats, by_energy: bool) -> float:
+    """The scalar product of an image, whose force is known where it is by energy, with x."""
+    if by_energy:
+        return dot(forces, at, x, x_at, len(weights))
+    return weighed_dot(images, at, x, x_at, weights)
 
 
 @kernel
