@@ -238,16 +238,13 @@ def test_motion_of_a_damped_plate(damping: float, monkeypatch: pytest.MonkeyPatc
 
 
 def test_run_with_derivatives_goes_on_with_their_matrices() -> None:
-    """It needs few of its own, and less work than alone, in iterations, of which a matrix takes some."""
     method = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8)
     equations = Equations(damped(damping=0.0).compile())
     force = neighbours_of("force", equations, -20.0, 20.0, lambda force: damped(damping=0.0, force=force))
     alone = lm.simulate(equations, 0.1, method)
     along = lm.simulate(equations, 0.1, DifferentiatedAlpha(method, [force], None, lambda *_: None))
-    per_matrix = exact_matrix._products_for(linear_solver(equations.matrix.pattern))
-    work = [run.statistics.newton_iterations + per_matrix * run.statistics.factorisations for run in (along, alone)]
-    assert along.statistics.factorisations <= 0.25 * alone.statistics.factorisations
-    assert work[0] <= 0.9 * work[1]
+    assert along.statistics.factorisations <= 0.2 * alone.statistics.factorisations
+    assert along.statistics.newton_iterations <= alone.statistics.newton_iterations
     np.testing.assert_allclose(along["tip.position"].values, alone["tip.position"].values, atol=1e-5)  # 0.5 m long
 
 

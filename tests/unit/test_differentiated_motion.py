@@ -10,7 +10,7 @@ import pytest
 import lamella as lm
 from lamella.differentiation.family import FunctionFamily
 from lamella.differentiation.gradient import differentiated
-from lamella.errors import ConvergenceError
+from lamella.errors import ConvergenceError, DeclarationError
 from lamella.result import Outcome, Statistics
 from lamella.roles import Floats
 from lamella.state import State
@@ -71,6 +71,35 @@ def test_derivatives_go_on_with_the_turns_of_the_motion_before() -> None:
     for name in names:
         assert parts.values[name] == pytest.approx(whole.values[name], rel=1e-5)
         assert parts[name, "stiffness"] == pytest.approx(whole[name, "stiffness"], rel=1e-4)
+
+
+def stopped(stiffness: float) -> lm.System:
+    """A motor presses a wheel against a stop beyond a whole turn; two others swing faster."""
+    system, ground = lm.System(), lm.Ground()
+    for name in ("one", "two", "three"):
+        wheel = system.add(lm.RigidBody(name, mass=1.0, inertia=(1.0, 1.0, 1.0)))
+        pin = system.add(lm.RevoluteJoint(f"pin {name}", ground.origin, wheel.origin))
+        if name == "one":
+            system.add(lm.PointMoment("motor", wheel.origin, (0.0, 0.0, 20.0)))
+            system.add(lm.EndStop("stop", pin, upper=7.0, stiffness=stiffness, damping=20.0))
+        else:
+            system.add(lm.TorsionSpring(f"spring {name}", pin, stiffness=500.0 if name == "two" else 900.0))
+    return system
+
+
+def test_modes_about_an_earlier_state_go_on_with_its_turns() -> None:
+    """Where another motion has come between, whose models have not reached their stop."""
+    steps, first = lm.GeneralizedAlpha(1e-2), {"first": lm.ShapeOutput(1, analysis="modes")}
+    analyses = lm.Motion("press", 4.0, steps), lm.Motion("other", 0.1, steps), lm.NaturalModes("modes", 2, about="press")
+    below, found, above = (lm.gradient(stopped, {"stiffness": k}, first, analyses=analyses) for k in (99.9, 100.0, 100.1))
+    assert found.values["first"] > 1.5  # pressed against the stop
+    expected = (above.values["first"] - below.values["first"]) / 0.2
+    assert found["first", "stiffness"] == pytest.approx(expected, rel=1e-5)  # differences of frequencies to 1e-9
+
+
+def test_more_modes_than_there_are_are_refused() -> None:
+    with pytest.raises(DeclarationError, match="n = 3; accepted is 1 to 2"):
+        lm.gradient(stopped, {"stiffness": 100.0}, {"f": lm.ShapeOutput(3)}, analyses=(lm.NaturalModes("modes", 3),))
 
 
 def strip(width: float) -> lm.System:

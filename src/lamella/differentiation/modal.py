@@ -95,7 +95,7 @@ def enough_modes(model: Model, equations: Equations, count: int, state: State | 
     """
     if model.spin is not None:
         raise ModelError("gradient: derivatives of frequencies in a frame that spins (SteadySpin) are not available")
-    return modes(model, min(count + 1, equations.mobility - 1), state=state)
+    return modes(model, count + 1 if count < equations.mobility - 1 else count, state=state)  # which refuses more than there are
 
 
 def _refuse_repeated(found: Modes, number: int) -> None:

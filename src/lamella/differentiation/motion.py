@@ -141,7 +141,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         nodes = self.vectors.nodes
         self._turns = NodeTurns(nodes) if nodes is not None and len(nodes.slopes) else None
         self._at_first: list[Floats | None] = []
-        self._iterations = statistics.newton_iterations
+        self._done = statistics.newton_iterations, statistics.factorisations
         self._owed: list[Remainder | None] = []
         self._owed_for: Weights | None = None
 
@@ -176,12 +176,11 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     def accept(self) -> Point:
         """Make the step final, and differentiate it."""
         assert self._new is not None, "accept follows a converged step"
-        dt, done = self._new[3], self.statistics.newton_iterations
+        dt = self._new[3]
         point = super().accept()
         weights = self.weights(dt)
-        iterations, self._iterations = done - self._iterations, done
         if self._turn_to(point, weights):
-            self.matrix.follow(point, weights, iterations)
+            self.matrix.follow(point, weights, self._iterations())
         else:
             self.matrix.factorise(point, weights)
         n, alpha_m, alpha_f = self.n, self.alpha_m, self.alpha_f
@@ -225,6 +224,11 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             self._adopt(self.matrix.renewed, point, weights)
         self._take_note(point)
         return point
+
+    def _iterations(self) -> int:
+        """Iterations since the last step by the factorisation at hand; none where Newton's method has made one of its own."""
+        (iterations, factorisations), self._done = self._done, (self.statistics.newton_iterations, self.statistics.factorisations)
+        return self._done[0] - iterations if self._done[1] == factorisations else 0
 
     def _paid(self, weights: Weights) -> list[Remainder | None]:
         """What the last step lacks and this one makes up for: nothing after a step of another length, with another matrix."""

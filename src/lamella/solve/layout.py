@@ -159,11 +159,11 @@ class FrontLayout:
         owner[numbers[own]], place[numbers[own]] = front[own], slots[own]
         return owner, place, self.position[pattern.rows] < self.position[pattern.indices]
 
-    def limits(self, k: Floats, tolerance: float) -> Floats:
-        """Magnitude that each pivot must exceed, by position: a fraction of its diagonal entry; 0 at padded ones."""
-        limits = np.zeros(len(self.coordinate))
-        limits[self.diagonal_position] = tolerance * np.abs(k[self.diagonal])
-        return limits
+    def magnitude(self, k: Floats) -> Floats:
+        """|K_ii| by position, 0 at padded ones."""
+        magnitude = np.zeros(len(self.coordinate))
+        magnitude[self.diagonal_position] = np.abs(k[self.diagonal])
+        return magnitude
 
 
 _LAYOUTS: WeakKeyDictionary[Pattern, FrontLayout] = WeakKeyDictionary()

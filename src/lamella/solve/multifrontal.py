@@ -46,7 +46,7 @@ class Multifrontal(SymmetricFactor):
         self._panels, self._u = Panels(layout.size), aligned(plan.update_size)
         self._scaled: Scaled | None = None
         n = len(layout.coordinate)
-        self._signs, self._limits = np.ones(n), np.zeros(n)
+        self._signs, self._magnitude = np.ones(n), np.zeros(n)
         self._z, self._rest = np.zeros(len(layout.coordinate)), np.zeros(len(layout.rows))
         self._b = Workspace(front_kernels.BLOCK * layout.longest + WIDTH)
         self._y, self._order = Workspace(layout.longest + WIDTH), np.arange(len(layout.fronts) - 1)
@@ -57,7 +57,8 @@ class Multifrontal(SymmetricFactor):
         at, plan, a = self._layout, self._plan, self._panels.written
         self._panels.renew()
         self._scaled = None
-        self._limits = limits = at.limits(k, SMALL_PIVOT)
+        self._magnitude = at.magnitude(k)
+        limits = SMALL_PIVOT * self._magnitude
 
         def subtree(first: int, end: int) -> int:
             return front_kernels.factorise(
@@ -105,7 +106,7 @@ class Multifrontal(SymmetricFactor):
     def _in_integers(self) -> Scaled | None:
         """The factor as integers; None where a pivot is so small beside its diagonal entry that rounding would count."""
         at, by_position = self._layout, np.ones(len(self._signs))
-        diagonal = self._limits[at.position] / SMALL_PIVOT
+        diagonal = self._magnitude[at.position]
         if not np.all(diagonal > 0.0):
             return None
         by_position[at.position] = 1.0 / np.sqrt(diagonal)

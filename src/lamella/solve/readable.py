@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamella._jit import compiled_as, is_array
-from lamella.lane import CACHE_LINE, fetch_at, load_at, number_at
+from lamella.lane import CACHE_LINE, WIDTH, fetch_at, load_at, number_at
 from lamella.roles import Floats, Singles
 
 Integers = NDArray[np.int16]
@@ -34,8 +34,8 @@ Readable = Floats | Singles | Scaled
 
 
 def lane_of(factor: Readable, place: int) -> Any:
-    """The lane of entries below the blocks on the diagonal that begins at a place of the panels; in kernels alone."""
-    raise NotImplementedError
+    """The lane of entries below the blocks on the diagonal that begins at a place of the panels."""
+    return (factor.shares if isinstance(factor, Scaled) else factor)[place : place + WIDTH]
 
 
 def entry_of(factor: Readable, place: int) -> float:
