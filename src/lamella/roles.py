@@ -95,6 +95,14 @@ class Force(ABC):
         return False
 
 
+class ForceChange(Force):
+    """The derivative of a force f(t, q, v; p) by a parameter p, at the price of little more than the force."""
+
+    @abstractmethod
+    def along(self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats) -> None:
+        """Write df/dp + df/dq dq + df/dv dv to the force buffer ``f`` (n_f,): coordinates and velocities follow the parameter."""
+
+
 class ForceBlock(Memory, Force):
     """Forces that depend on time, position and velocity, with their tangent.
 
@@ -165,7 +173,8 @@ class ForceBlock(Memory, Force):
     def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
         """What writes sum w_i f_i(t, q, v), the derivative of the force by a parameter, at less than the price of all f_i.
 
-        None where there is nothing better than to evaluate them.
+        A :class:`ForceChange` where coordinates may follow the parameter as well; None where there is nothing better than to
+        evaluate all f_i.
 
         Args:
             beside: this block for values of the parameter beside its own.

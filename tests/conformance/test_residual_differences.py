@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from functools import partial
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from shell_patch import SURFACES, gathered_force, patch
 
 import lamella as lm
 from lamella.assembly.equations import Equations
+from lamella.assembly.point import Weights
 from lamella.differentiation.difference import PartDifference, WholeDifference
+from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import neighbours_of
 from lamella.element.plate48.beside import ReferenceChange
 from lamella.element.plate48.block import SHELL
@@ -154,6 +157,47 @@ def test_change_of_the_reference_is_that_of_the_force(kind, option, surface):
     places, weights = (-2, -1, 1, 2), np.array([1 / 12, -8 / 12, 8 / 12, -1 / 12]) / h
     found = block.force_change([at(place * h)[1] for place in places], weights)
     assert isinstance(found, ReferenceChange)
+    dq, dv = 0.1 * rng.standard_normal((2, len(q)))
     sixth = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
-    expected = sum(w / h * (gathered_force(at(k * h)[1], q, v) - gathered_force(at(-k * h)[1], q, v)) for k, w in sixth.items())
-    np.testing.assert_allclose(gathered_force(found, q, v), expected, atol=1e-8 * np.abs(expected).max())
+    for follows in (0.0, 1.0):  # coordinates and velocities stay, or follow p
+
+        def force(p, follows=follows):
+            return gathered_force(at(p)[1], q + follows * p * dq, v + follows * p * dv)
+
+        expected = sum(w / h * (force(k * h) - force(-k * h)) for k, w in sixth.items())
+        change = along(found, dq, dv) if follows else found
+        np.testing.assert_allclose(gathered_force(change, q, v), expected, atol=1e-8 * np.abs(expected).max())
+
+
+def along(change, dq, dv):
+    """The force that a change writes where coordinates and velocities follow the parameter."""
+
+    def force(t, q, v, f):
+        change.along(t, q, v, dq, dv, f)
+
+    return SimpleNamespace(force=force, f_coords=change.f_coords, f_scale=change.f_scale)
+
+
+@pytest.mark.parametrize(
+    ("name", "how", "follows"),
+    [
+        ("length", "plain", True),
+        ("length", "damped", True),
+        ("length", "warm", False),
+        ("length", "shaken", True),
+        ("thickness", "plain", False),
+        ("force", "plain", False),
+    ],
+)
+def test_unknowns_follow_the_parameter(name, how, follows):
+    """As the product of the exact tangent tells, where all forces that depend on them may."""
+    base, beside = neighbours(name, **MORE[how])
+    assert (beside.following is not None) == follows
+    if beside.following is None:
+        return
+    point, dud, dudd = moved(base)
+    du, weights = 0.1 * np.cos(2.0 * np.arange(base.n_u)) * base.magnitude, Weights(1.0, 30.0, 900.0, 30.0)
+    product = ExactMatrix(base).product(point, weights)(du)
+    expected = beside.residual(point, dud, dudd)[0] + product
+    found = beside.following.along(point, dud, dudd, du, weights)[0]
+    np.testing.assert_allclose(found, expected, atol=1e-12 * max(np.abs(expected).max(), np.abs(product).max()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class Chain:
         self.ends[analysis.name] = found
         for each, derivative in zip(self.neighbours, found, strict=True):
             each.begin([result.final] * len(each.sides))
-            each.settle(point.t, lambda side, known=derivative: side.equations.coordinates(known.moved(point, side.distance)))
+            each.settle(partial(derivative.moved, point))
         self.beside[analysis.name] = [each.remembering(result.final) for each in self.neighbours]
         self._sample_end(outputs, point, found)
 

@@ -15,10 +15,10 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.mass import in_independent
 from lamella.assembly.operator import VectorOperator
-from lamella.assembly.point import Point
+from lamella.assembly.point import Point, Weights
 from lamella.differentiation.alike import alike
 from lamella.inertia import differenced
-from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock
+from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock, ForceChange
 
 
 @dataclass(frozen=True)
@@ -68,23 +68,42 @@ class PartDifference:
     Args:
         base: the equations at the value of the parameter.
         sides: the models beside it, with the same constraints and the same map from unknowns to coordinates.
+
+    Attributes:
+        follows: whether unknowns may follow the parameter as well: where all forces that depend on them tell of both at once.
     """
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
         self._base, self._sides, equations = base, sides, [side.equations for side in sides]
         self._forces = _Parts(base, base.forces, sides, [there.forces for there in equations])
         self._loads = _Parts(base, base.loads, sides, [there.loads for there in equations])
+        alone = base.n_u == base.n_motion and not base.n_lam
+        self.follows = alone and self._forces.follows and self._loads.follows
 
     def __call__(self, point: Point, dud: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
         """The derivatives, as :class:`WholeDifference` gives them."""
+        base = self._base
+        dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
+        return self._difference(point, None, dv, dudd)
+
+    def along(self, point: Point, dud: Floats, dudd: Floats, du: Floats, weights: Weights) -> tuple[Floats, Floats]:
+        """The same of unknowns that follow the parameter by ``du``, with velocities and accelerations that belong to it.
+
+        Only where unknowns may follow. It takes less time than the product of the tangent with ``du``, which is in it.
+        """
+        base = self._base
+        dq, dv = base.expand(du), None
+        if base.depends_on_velocity:
+            dv = base.expand(_moved(dud, weights.alpha_v, du))
+        return self._difference(point, dq, dv, _moved(dudd, weights.alpha_a, du))
+
+    def _difference(self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
         base, r = self._base, np.zeros(len(point.u))
-        q, v, dv = base.coordinates(point), base.force_velocities(point), None
-        if dud is not None and base.depends_on_velocity:
-            dv = base.expand(dud)
-        self._loads.add(point.t, q, v, dv, r)
+        q, v = base.coordinates(point), base.force_velocities(point)
+        self._loads.add(point.t, q, v, dq, dv, r)
         if point.factor != 1.0:
             r *= point.factor
-        self._forces.add(point.t, q, v, dv, r)
+        self._forces.add(point.t, q, v, dq, dv, r)
         if dudd is not None:
             base.inertia_force(dudd, onto=r)
         if not point.at_rest and self._mass is not None:
@@ -142,15 +161,24 @@ class _Parts:
         self._wholes = ForceSum([whole for whole in wholes if whole], *of_all)
         self._linear = ForceSum([block for block, _ in compress(of_base.parts, linear)], *of_all)
         self._seeing = any(block.depends_on_velocity for block, _ in of_base.parts)
+        self.follows = all(
+            isinstance(whole, ForceChange) or not (block.depends_on_velocity or len(block.k_rows))
+            for block, whole in zip(of_values, wholes, strict=True)
+        )
         self._changed, self._moving = (_Weighed(sides, sums, chosen, *of_all) for chosen in (changed, moving))
 
-    def add(self, t: float, q: Floats, v: Floats, dv: Floats | None, r: Floats) -> None:
-        """Add the derivative of their forces to r, with velocities that follow the parameter if ``dv`` is given."""
+    def add(self, t: float, q: Floats, v: Floats, dq: Floats | None, dv: Floats | None, r: Floats) -> None:
+        """Add the derivative of their forces to r, with coordinates and velocities that follow the parameter if these are given;
+        coordinates only where they may (``follows``).
+        """
         if self._wholes.parts:
             for block, part in self._wholes.parts:
-                block.force(t, q, v, part)
+                if dq is not None and isinstance(block, ForceChange):
+                    block.along(t, q, v, dq, v if dv is None else dv, part)
+                else:
+                    block.force(t, q, v, part)
             self._wholes.onto(r)
-        if dv is None:
+        if dv is None or dq is not None:  # those that depend on velocities have been asked already
             self._changed.add(t, q, v, None, r)
             return
         for block, part in self._linear.parts:

@@ -33,6 +33,25 @@ def _products_for(linear: LinearSolver) -> float:
     return 0.25 * linear.work_per_entry
 
 
+class Change(NamedTuple):
+    """A change of the equations, which a change x of the unknowns with their multipliers makes up for: A x = -(r, s).
+
+    Args:
+        r, s: of the residual and of the constraints.
+        guess: what the change of the unknowns may be near to, if known.
+        along: whether r and s are those of unknowns that have changed by the guess already, so that A (x - guess) = -(r, s).
+    """
+
+    r: Floats
+    s: Floats
+    guess: Floats | None = None
+    along: bool = False
+
+    def completed(self, x: Floats, lam: Floats) -> tuple[Floats, Floats]:
+        """The change of unknowns and multipliers, where x and lam solve A (x, lam) = -(r, s)."""
+        return (x + self.guess if self.along and self.guess is not None else x), lam
+
+
 class Remainder(NamedTuple):
     """What a solution x of A x = b lacks: b - A x = force - A left, with ``left`` near A^-1 ``force``."""
 
@@ -128,62 +147,66 @@ class ExactMatrix:
     def by_energy(self, wanted: bool) -> None:
         self._residuals.by_energy = wanted and self._outlasts and self.equations.is_exact
 
-    def solve(self, r: Floats, s: Floats, guess: Floats | None = None) -> tuple[Floats, Floats]:
-        """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for.
+    def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
+        """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for."""
+        return self._solve(Change(r, s))
 
-        Args:
-            r, s: changes of the residual and of the constraints.
-            guess: what the change of the unknowns may be near to, if known.
-        """
+    def _solve(self, change: Change) -> tuple[Floats, Floats]:
         self._remainder = None
         if self._unsymmetric is not None:
-            return self._unsymmetric.solve(r, s)
+            return change.completed(*self._unsymmetric.solve(change.r, change.s))
         if self.equations.is_exact and self.renewed is not None:
-            return self.linear.solve(-r, -s)
-        if guess is None:
-            return self._improved(r, s, None, _joined(*self.linear.solve(-r, -s)), -r)
-        z = _joined(guess, self._nothing[1])
-        return self._improved(r, s, z, *self._lacking(r, s, z))
+            return change.completed(*self.linear.solve(-change.r, -change.s))
+        rest = self._beside(change)
+        return self._improved(change, self.linear.solve(*rest), rest[0])
 
-    def solve_each(self, changes: Sequence[tuple[Floats, Floats, Floats | None]]) -> list[tuple[Floats, Floats]]:
-        """The same for several changes with their guesses, whose first substitutions go together."""
+    def solve_each(self, changes: Sequence[Change]) -> list[tuple[Floats, Floats]]:
+        """The same for several changes, whose first substitutions go together."""
         if self._unsymmetric is None and self.equations.is_exact and self.renewed is not None:
             self.remainders = [None] * len(changes)
-            return self.linear.solve_each([(-r, -s) for r, s, _ in changes])
+            found = self.linear.solve_each([(-change.r, -change.s) for change in changes])
+            return [change.completed(*each) for change, each in zip(changes, found, strict=True)]
         self.remainders = []
         if self._unsymmetric is not None or not self.equations.multiplies or len(changes) == 1:
-            return [self._noted(self.solve(*each)) for each in changes]
-        starts = [(r, s, None if guess is None else _joined(guess, self._nothing[1])) for r, s, guess in changes]
-        rests = [(-r, -s) if z is None else self._rest(r, s, z) for r, s, z in starts]
+            return [self._noted(self._solve(each)) for each in changes]
+        rests = [self._beside(change) for change in changes]
         lefts = self.linear.solve_each(rests)
         renewed, found = self.renewed, []
-        for start, left, rest, change in zip(starts, lefts, rests, changes, strict=True):
+        for change, left, rest in zip(changes, lefts, rests, strict=True):
             same = self.renewed is renewed and self._unsymmetric is None  # else another matrix had to be factorised on the way
-            x = self._improved(*start, _joined(*left), rest[0]) if same else self.solve(*change)
-            found.append(self._noted(x))
+            found.append(self._noted(self._improved(change, left, rest[0]) if same else self._solve(change)))
         return found
+
+    def _beside(self, change: Change) -> tuple[Floats, Floats]:
+        """What is left beside the guess of a change, or beside nothing."""
+        if change.guess is None or change.along:
+            return -change.r, -change.s
+        return self._rest(change.r, change.s, _joined(change.guess, self._nothing[1]))
 
     def _noted(self, solution: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         self.remainders.append(self._remainder)
         return solution
 
-    def _improved(self, r: Floats, s: Floats, z: Floats | None, left: Floats, force: Floats) -> tuple[Floats, Floats]:
-        """The solution from its start z, or from zero, and what is left there."""
+    def _improved(self, change: Change, found: tuple[Floats, Floats], force: Floats) -> tuple[Floats, Floats]:
+        """The solution from what is left beside the guess, ``force``, and what a substitution has ``found`` of it."""
         known, learnt, enough = self._residuals, 0, max(self.enough, LEAST)
+        z, left = None if change.guess is None else _joined(change.guess, self._nothing[1]), _joined(*found)
+        if z is not None and not self.equations.multiplies:
+            left = left - z
         lacking = known.begin(z, left, force)
         while not lacking <= enough and learnt < MOST and not isnan(lacking):
             lacking = known.improve(*self._lacking(*self._nothing, known.left))
             learnt += 1
         if lacking <= enough:
             self._remainder = Remainder(known.force.copy(), known.left.copy()) if self.by_energy else None
-            z = known.solution()
-            return z[: len(r)], z[len(r) :]
+            x, n = known.solution(), len(change.r)
+            return x[:n], x[n:]
         if self.renewed is None:
             self.factorise(*self._at)
         else:
             self._unsymmetric = ExactMatrix(exact(self.equations), enough=self.enough)
             self._unsymmetric.factorise(*self._at)
-        return self.solve(r, s, None if z is None else z[: len(r)])
+        return self._solve(change)
 
     def stiffness(self, point: Point) -> Callable[[Floats], Floats]:
         """The product with K at a point; to be used before the equations' matrix is evaluated anew."""

@@ -6,20 +6,20 @@ import sys
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
-from lamella.differentiation.exact_matrix import ExactMatrix, Remainder
+from lamella.differentiation.exact_matrix import Change, ExactMatrix, Remainder
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.prediction import Prediction
 from lamella.differentiation.solution import (
     PointDerivative,
     projected_velocities,
     rates_derivative,
-    residual_difference,
     start_derivative,
 )
 from lamella.errors import DeclarationError
@@ -40,8 +40,6 @@ OF_ENERGY = 3.0
 """The same of a motion without damping, for the square root of the energy: that error takes as much from it and more
 (docs/decisions/0022-gradients.md)."""
 
-Change = tuple[Floats, Floats, Floats | None]
-"""Of residual and constraints, and what the derivative may be near to."""
 Sample = Callable[[Point, Sequence[PointDerivative]], None]
 """Takes each point of a run with its derivatives."""
 
@@ -193,23 +191,25 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             weights.alpha_v,
             weights.alpha_a,
         )
-        owed = self._paid(weights)
-        changes: list[Change] = []
         rates = []
-        for k, (each, old, a, rule) in enumerate(
-            zip(self.neighbours, self.derivatives, self._algorithmic, self._rules, strict=True)
-        ):
+        for old, a, rule in zip(self.derivatives, self._algorithmic, self._rules, strict=True):
             base, ud0, udd0 = np.empty_like(a), np.empty_like(a), np.empty_like(a)
             _carried(old.u, old.ud, old.udd, a, *shares, base, ud0, udd0)
             if n < len(a):
                 value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
                 ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
-            dr, ds = residual_difference(each, point, PointDerivative(old.u, ud0, udd0, old.lam))
-            if (lacking := owed[k]) is not None:
-                dr -= lacking.force
-            changes.append((dr, ds, self._predictions[k].guess(base)))
             rates.append((base, ud0, udd0))
-        changes = self._measured(changes, point)
+        guesses, owed = self._guesses([base for base, *_ in rates], point), self._paid(weights)
+        changes = []
+        for each, (_, ud0, udd0), guess, lacking in zip(self.neighbours, rates, guesses, owed, strict=True):
+            following = None if guess is None else each.following
+            if guess is None or following is None:
+                dr, ds = each.residual(point, ud0, udd0)
+            else:
+                dr, ds = following.along(point, ud0, udd0, guess, weights)
+            if lacking is not None:
+                dr -= lacking.force
+            changes.append(Change(dr, ds, guess, following is not None))
         for k, ((du, dlam), (base, ud, udd)) in enumerate(zip(self.matrix.solve_each(changes), rates, strict=True)):
             if (lacking := owed[k]) is not None:
                 du = du - lacking.left
@@ -235,21 +235,26 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         owed, paid = self._owed, self._owed_for == weights
         return owed if owed and paid else [None] * len(self.neighbours)
 
-    def _measured(self, changes: list[Change], point: Point) -> list[Change]:
-        """The changes with what is known to begin with, where nothing is predicted; chooses how derivatives are measured, and how
-        much they may lack.
+    def _guesses(self, bases: Sequence[Floats], point: Point) -> list[Floats | None]:
+        """What derivatives may be near to: what is predicted, or else that of the start by a parameter that moves places. Chooses
+        how they are measured, and how much they may lack.
 
         By energy the derivative by a parameter that moves places is all stretch of the membrane: it is measured beside that.
+
+        Args:
+            bases: the estimates by constant acceleration.
+            point: the end of the step.
         """
         matrix, unsteady = self.matrix, all(prediction.unsteady for prediction in self._predictions)
         matrix.by_energy, matrix.enough = False, (1.0 if unsteady else SHARE) * self._tolerance
-        if any(guess is not None for _, _, guess in changes):
-            return changes
-        starts = [self._from_first(k, point) for k in range(len(changes))]
+        guesses = [prediction.guess(base) for prediction, base in zip(self._predictions, bases, strict=True)]
+        if any(guess is not None for guess in guesses):
+            return guesses
+        starts = [self._from_first(k, point) for k in range(len(bases))]
         matrix.by_energy = all((one is None) == (other is None) for one, other in zip(starts, self._at_first, strict=True))
         if matrix.by_energy:
             matrix.enough = OF_ENERGY * self._tolerance
-        return [(dr, ds, start) for (dr, ds, _), start in zip(changes, starts, strict=True)]
+        return starts
 
     def _from_first(self, k: int, point: Point) -> Floats | None:
         """What the derivative by parameter number k may be near to, from that at the start, if it moves places."""
@@ -262,7 +267,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     def _take_note(self, point: Point) -> None:
         self.sample(point, self.derivatives)
         for each, derivative in zip(self.neighbours, self.derivatives, strict=True):
-            each.settle(point.t, lambda side, known=derivative: side.equations.coordinates(known.moved(point, side.distance)))
+            each.settle(partial(derivative.moved, point))
 
 
 @njit

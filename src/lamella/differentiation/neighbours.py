@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from lamella.assembly.equations import Equations
+from lamella.assembly.point import Point
 from lamella.differentiation.difference import PartDifference, Side, WholeDifference, difference_of, remembers
 from lamella.errors import DeclarationError, LamellaError
 from lamella.model import Model
@@ -52,6 +53,11 @@ class Neighbours:
         """Step along a change of the state, in sizes, and places and weights of the difference that suits the parameter."""
         return (SHORT, CENTRAL) if len(self.sides) == len(CENTRAL) else (STEP, FOURTH)
 
+    @property
+    def following(self) -> PartDifference | None:
+        """The difference of residuals where unknowns may follow the parameter as well; None where they may not."""
+        return self.residual if isinstance(self.residual, PartDifference) and self.residual.follows else None
+
     def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
         """The derivative of a function, from its values at the sides."""
         first, *others = (side.weight * evaluate(side) for side in self.sides)
@@ -62,12 +68,15 @@ class Neighbours:
         models = [side.equations.model for side in self.sides]
         return [[block for block in (*m.forces, *m.loads, *m.constraints) if remembers(block)] for m in models]
 
-    def settle(self, t: float, coordinates: Callable[[Side], Floats]) -> None:
-        """Tell blocks with a discrete state the coordinates that were accepted at each side."""
+    def settle(self, moved: Callable[[float], Point]) -> None:
+        """Tell blocks with a discrete state the point that was accepted, for the distance of each side."""
+        if not any(self._remembering):
+            return
         for side, blocks in zip(self.sides, self._remembering, strict=True):
-            q = coordinates(side) if blocks else np.zeros(0)
+            there = moved(side.distance)
+            q = side.equations.coordinates(there)
             for block in blocks:
-                block.settle(t, q)
+                block.settle(there.t, q)
 
     def begin(self, states: Sequence[State] | None) -> None:
         """Let the models begin anew, with what these states, one for each, remember."""

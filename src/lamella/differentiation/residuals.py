@@ -75,8 +75,9 @@ class ConjugateResiduals:
         self.left[:] = left
         if self.by_energy:
             self.force[:] = force
-        self._whole, self._last = _begin(self._known, *self._vectors, self.by_energy), 0.0
-        return self._lacking()
+        self._whole, of_magnitudes, energy = _begin(self._known, *self._vectors, self.by_energy)
+        self._last = 0.0
+        return self._lacking(of_magnitudes, energy)
 
     def improve(self, lacking: Floats, rest: Floats) -> float:
         """Add the direction ``left``, of which C left = -``lacking`` and A left = -``rest``.
@@ -87,13 +88,10 @@ class ConjugateResiduals:
         if self._known == self._most:
             self._known = 0
         self._known += 1
-        if not _improve(lacking, rest, self._known - 1, *self._vectors, self.by_energy):
-            return np.nan
-        return self._lacking()
+        return self._lacking(*_improve(lacking, rest, self._known - 1, *self._vectors, self.by_energy))
 
-    def _lacking(self) -> float:
+    def _lacking(self, of_magnitudes: float, energy: float) -> float:
         """By energy each direction leaves a like share: what the last one has left is what the solution gains by ``left``."""
-        of_magnitudes, energy = _shares(*self._vectors[:3], self._weights)
         if not self.by_energy or of_magnitudes <= LEAST:
             return of_magnitudes
         share = sqrt(energy / self._whole) if energy >= 0.0 and self._whole > 0.0 else np.nan
@@ -110,20 +108,21 @@ class ConjugateResiduals:
 def _begin(
     known: int, z: Floats, left: Floats, force: Floats, directions: Floats, images: Floats, forces: Floats, weights: Floats,
     by_energy: bool,
-) -> float:  # fmt: skip
-    """Take what is known into z; the energy of what was left before."""
+) -> tuple[float, float, float]:  # fmt: skip
+    """Take what is known into z; the energy of what was left before, and the shares of what is left now."""
     whole = dot(left, 0, force, 0, len(left)) if by_energy else 0.0
     for k in range(known):
         _take(z, left, force, k, directions, images, forces, weights, by_energy)
-    return whole
+    of_magnitudes, energy = _shares(z, left, force, weights)
+    return whole, of_magnitudes, energy
 
 
 @kernel
 def _improve(
     lacking: Floats, rest: Floats, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, images: Floats,
     forces: Floats, weights: Floats, by_energy: bool,
-) -> bool:  # fmt: skip
-    """Direction number k is made conjugate to those before, its image of length 1; whether that has one."""
+) -> tuple[float, float]:  # fmt: skip
+    """Direction number k is made conjugate to those before, its image of length 1; the shares of what is left then."""
     n = len(left)
     at = k * n
     set_row(directions, at, 1.0, left, 0, n)
@@ -140,14 +139,14 @@ def _improve(
             add_row(forces, at, -share, forces, before, n)
     size = _product(images, forces, at, images, at, weights, by_energy)
     if not size > 0.0:
-        return False
+        return np.nan, np.nan
     factor = 1.0 / sqrt(size)
     set_row(directions, at, factor, directions, at, n)
     set_row(images, at, factor, images, at, n)
     if by_energy:
         set_row(forces, at, factor, forces, at, n)
     _take(z, left, force, k, directions, images, forces, weights, by_energy)
-    return True
+    return _shares(z, left, force, weights)
 
 
 @inner
@@ -172,7 +171,7 @@ def _product(images: Floats, forces: Floats, at: int, x: Floats, x_at: int, weig
     return weighed_dot(images, at, x, x_at, weights)
 
 
-@kernel
+@inner
 def _shares(z: Floats, left: Floats, force: Floats, weights: Floats) -> tuple[float, float]:
     """What is left as a share of z, by magnitudes, and its energy."""
     size, rest = weighed_dot(z, 0, z, 0, weights), weighed_dot(left, 0, left, 0, weights)

@@ -13,10 +13,12 @@ from lamella.element.plate48.layout import KernelArguments, Plate48Block, sectio
 from lamella.element.plate48.reference_change import reference_change, work_size
 from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Force
+from lamella.roles import Floats, Force, ForceChange
 from lamella.threads import Workspace
 
 Block = TypeVar("Block", bound=Plate48Block)
+Place = tuple[Floats, Floats, Floats, Floats, bool]
+"""Coordinates and velocities, how they follow the parameter, and whether they do."""
 POINT = 60e-9
 """Seconds that a change of the reference takes for a Gauss point of an element."""
 
@@ -49,7 +51,7 @@ def force_change(block: Block, beside: Sequence[Block], weights: Sequence[float]
     return found
 
 
-class ReferenceChange(Force):
+class ReferenceChange(ForceChange):
     """The derivative of the elements' force by a parameter that changes their scale, reference and stiffness.
 
     Args:
@@ -72,18 +74,23 @@ class ReferenceChange(Force):
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Write it to the force buffer ``f`` (n_f,)."""
+        self._write((q, v, q, v, False), f)
+
+    def along(self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats) -> None:
+        """The same where coordinates and velocities follow the parameter."""
+        self._write((q, v, dq, dv, True), f)
+
+    def _write(self, at: Place, f: Floats) -> None:
         first, *others = self._parts
-        self._force(*first, q, v, f)
+        self._write_part(*first, at, f)
         for part in others:
-            self._force(*part, q, v, self._more)
+            self._write_part(*part, at, self._more)
             f += self._more
 
-    def _force(
-        self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, q: Floats, v: Floats, f: Floats
-    ) -> None:
+    def _write_part(self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, at: Place, f: Floats) -> None:
         def call(blocks: Range) -> None:
             tables = blocks.of(scale), blocks.of(share), sections_of(change, arguments[4], blocks)
-            reference_change(q, v, *self._how, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
+            reference_change(*at, *self._how, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
 
         self._over_blocks(POINT * arguments[4] ** 2, call)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from lamella.element.packing import packed, packed_indices, packed_targets
 from lamella.element.plate48 import heat_kernels as kernels
-from lamella.element.plate48.beside import ReferenceChange, comparable, weighed
+from lamella.element.plate48.beside import Place, ReferenceChange, comparable, weighed
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.interpolation import N_SECTION
 from lamella.element.plate48.layout import GaussTables, KernelArguments, Plate48Block, gauss_tables
@@ -133,12 +133,12 @@ class _HeatedChange(ReferenceChange):
             for part, sections, *others in zip(block.parts, self.changes, *(other.parts for other in beside), strict=True)
         ]
 
-    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        """Write it to the force buffer ``f`` (n_f,)."""
+    def _write(self, at: Place, f: Floats) -> None:
+        q = at[0]
         self._own.heat(q)
         for part in self._change:
             part.heat(q, self._own.index_T, self._own.work_T)
-        super().force(t, q, v, f)
+        super()._write(at, f)
 
 
 class GaussPoints:

@@ -7,12 +7,13 @@ derivative by the parameter and y the change of g that belongs to e' = S' q,
 
 where s' = (ds/dg) y less the change of the reference's constants, and sdot' = (dsdot/dg) y + (ds/dg) y' with the change y' that
 belongs to S' v. It costs as much as two forces, and loses no digits where the parameter stretches the membrane, as the difference
-of forces does.
+of forces does. Where coordinates and velocities follow the parameter by q' and v', e' = S' q + S q' and S' v + S v' take their
+place: that saves the product of the tangent with q'.
 """
 
 from __future__ import annotations
 
-from lamella._jit import shared
+from lamella._jit import inlined, shared
 from lamella.element.plate48.damping_kernels import strain_rates, weighted6
 from lamella.element.plate48.interpolation import (
     constants_at,
@@ -26,7 +27,7 @@ from lamella.element.plate48.interpolation import (
 )
 from lamella.element.plate48.strain import Cubed, gradient, normal_change, resultants, strains, surface_frame
 from lamella.element.plate48.tangent_product import frame_change, gradient_change, rates_change, summed
-from lamella.lane import WIDTH, load, store
+from lamella.lane import WIDTH, load, number_at, put_at, store
 from lamella.roles import Floats, Ints
 
 
@@ -35,10 +36,26 @@ def work_size(n: int) -> int:
     return 48 + 6 * 36 * n
 
 
+@inlined
+def _gather_change(
+    q: Floats, dq: Floats, moves: bool, index: Ints, scale_change: Floats, scale: Floats, block: int, work: Floats
+) -> None:
+    """S' q, and S dq with it if coordinates move, to the beginning of ``work``."""
+    gather(q, index, scale_change, block, work, 0)
+    if moves:
+        first = 48 * WIDTH * block
+        for k in range(48 * WIDTH):
+            more = number_at(dq, number_at(index, first + k)) * number_at(scale, first + k)
+            put_at(work, k, number_at(work, k) + more)
+
+
 @shared
 def reference_change(
     q: Floats,
     v: Floats,
+    dq: Floats,
+    dv: Floats,
+    moves: bool,
     time: float,
     elastic: bool,
     scale_change: Floats,
@@ -56,6 +73,7 @@ def reference_change(
     """f' / S, f (block, 48), of the viscous force with retardation time c = ``time``, of the elastic one, or of both.
 
     Args:
+        dq, dv: how coordinates and velocities follow the parameter, if they do (``moves``).
         scale_change, share: S' and S' / S, packed as ``scale`` is.
         change: of the sections.
         others: as in :mod:`lamella.element.plate48.kernels`.
@@ -65,12 +83,12 @@ def reference_change(
     for block in range(index.size // (48 * WIDTH)):
         gather(q, index, scale, block, work, 0)
         interpolate_eta(work, 0, lines, table, n)
-        gather(q, index, scale_change, block, work, 0)
+        _gather_change(q, dq, moves, index, scale_change, scale, block, work)
         interpolate_eta(work, 0, beside, table, n)
         if damped:
             gather(v, index, scale, block, work, 0)
             interpolate_eta(work, 0, rates, table, n)
-            gather(v, index, scale_change, block, work, 0)
+            _gather_change(v, dv, moves, index, scale_change, scale, block, work)
             interpolate_eta(work, 0, rates_beside, table, n)
         for j in range(n):
             for i in range(n):
