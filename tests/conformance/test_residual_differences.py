@@ -27,18 +27,18 @@ BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "bo
 OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
 
 
-def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6, shaken=0.0, alpha=None):
+def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0.6, width=0.3, shaken=0.0, alpha=None):
     """A plate that is pushed at its tip, shaken at a corner, to and fro by so much [m], and warmed by the sun if it expands."""
     heat = {} if alpha is None else {"alpha": alpha, "k": 5.0, "c": 900.0}
     layup = lm.Laminate(lm.Isotropic(E, 0.3, rho, **heat), thickness=thickness)
     how = {"damping": damping} if damping else {}
     system = lm.System()
-    panel = system.add(lm.Plate("panel", (length, 0.3), (2, 2), layup, **how))
+    panel = system.add(lm.Plate("panel", (length, width), (2, 2), layup, **how))
     tip = panel.marker("tip", length, 0.1)
     system.add(lm.Clamp("root", panel.edge("x-")))
     system.add(lm.PointForce("push", tip, (0.0, 0.0, force)))
     if shaken:
-        system.add(lm.PrescribedMotion("shaker", panel.marker("corner", length, 0.3), "z", lm.Harmonic(shaken, 20.0)))
+        system.add(lm.PrescribedMotion("shaker", panel.marker("corner", length, width), "z", lm.Harmonic(shaken, 20.0)))
     if heat:
         system.add(lm.TemperatureField("heat", panel))
         system.add(lm.SolarFlux("sun", panel, direction=(0.6, 0.0, -0.8), absorptivity=0.8, constant=1361.0))
@@ -47,14 +47,14 @@ def plate(E=7e10, rho=2700.0, thickness=4e-3, force=-10.0, damping=0.0, length=0
 
 ROUNDING = 1e-8
 """Of differences of whole residuals over 4e-4 of the parameter, beside the residual: their parts are larger than their sum."""
-AT = {"E": 7e10, "rho": 2700.0, "thickness": 4e-3, "force": -10.0, "length": 0.6}
+AT = {"E": 7e10, "rho": 2700.0, "thickness": 4e-3, "force": -10.0, "length": 0.6, "width": 0.3}
 
 
-def neighbours(name, **more):
+def neighbours(name, of_places=False, **more):
     made = partial(plate, **more)
     base = Equations(made().compile())
     value = {**AT, **more}[name]
-    return base, neighbours_of(name, base, value, abs(value), lambda x: made(**{name: x}))
+    return base, neighbours_of(name, base, value, abs(value), lambda x: made(**{name: x}), of_places)
 
 
 def moved(base):
@@ -68,7 +68,11 @@ def moved(base):
 MORE = {"plain": {}, "damped": {"damping": 2e-3}, "shaken": {"damping": 2e-3, "shaken": 1e-3}, "warm": {"alpha": 2.3e-5}}
 
 
-@pytest.mark.parametrize(("name", "how"), [*product(AT, MORE), ("alpha", "warm")])
+HELD = ("width", "warm")
+"""The clamp stands where the width says, and the tangent between shape and temperature does not tell what follows from that."""
+
+
+@pytest.mark.parametrize(("name", "how"), [*(each for each in product(AT, MORE) if each != HELD), ("alpha", "warm")])
 def test_parts_are_as_good_as_the_whole(name, how):
     base, beside = neighbours(name, **MORE[how])
     assert isinstance(beside.residual, PartDifference)
@@ -85,6 +89,21 @@ def test_parts_are_as_good_as_the_whole(name, how):
 
 def test_supports_that_follow_the_parameter_ask_for_whole_residuals():
     assert isinstance(neighbours("shaken", shaken=1e-3)[1].residual, WholeDifference)
+    assert isinstance(neighbours(HELD[0], **MORE[HELD[1]])[1].residual, WholeDifference)
+
+
+@pytest.mark.parametrize("how", ["plain", "damped", "shaken"])
+@pytest.mark.parametrize("name", ["length", "width"])
+def test_tables_of_two_models_tell_of_places_what_those_of_four_do(name, how):
+    """Tables are products of few lengths, and two models that lie near leave 1e-8 of their derivatives and less."""
+    base, beside = neighbours(name, **MORE[how])
+    near = neighbours(name, of_places=True, **MORE[how])[1]
+    assert (len(beside.sides), len(near.sides)) == (4, 2)
+    for at, rates in ((base.start(at_rest=True), (None, None)), (point := moved(base)[0], (point.ud, point.udd))):
+        expected, found = (each.residual(at, *rates)[0] for each in (beside, near))
+        np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
+    heated = neighbours(name, of_places=True, **MORE["warm"])[1]
+    assert len(heated.sides) == 4
 
 
 def test_forces_that_a_parameter_leaves_alone_are_not_evaluated(monkeypatch):
@@ -185,6 +204,7 @@ def along(change, dq, dv):
         ("length", "damped", True),
         ("length", "warm", False),
         ("length", "shaken", True),
+        ("width", "damped", True),
         ("thickness", "plain", False),
         ("force", "plain", False),
     ],

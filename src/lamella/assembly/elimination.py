@@ -140,9 +140,9 @@ class Elimination:
         """True when a support moves."""
         return bool(self._motions)
 
-    def moves_like(self, other: Elimination) -> bool:
-        """Whether the supports of another elimination with the same coefficients move in the same way."""
-        return np.array_equal(self.moving, other.moving) and self._motions == other._motions
+    def changes_like(self, other: Elimination) -> bool:
+        """Whether equal changes of the unknowns, and of time, change coordinates equally: supports may stand at other places."""
+        return self.T is other.T and np.array_equal(self.moving, other.moving) and self._motions == other._motions
 
     @property
     def constant(self) -> Floats:

@@ -63,7 +63,8 @@ class Equations:
         self.depends_on_velocity = any(block.depends_on_velocity for block in blocks)
         self.expand = known.expand if known else SumOperator.of(T)
         self.gather = known.gather if known else self.expand.transposed(self.n_u)
-        self._fixed = self.elimination.particular(self.elimination.constant)
+        self.held = self.elimination.particular(self.elimination.constant)
+        """Coordinates where all unknowns are zero and supports have not moved."""
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = Recent(), Recent()
         self._row_size = np.zeros(0)
@@ -156,7 +157,7 @@ class Equations:
 
     def coordinates(self, point: Point) -> Floats:
         """All coordinates q, shape (n_q,)."""
-        from_supports = self._moved_at(point.t, point.factor) if self.elimination.moves else self._fixed
+        from_supports = self._moved_at(point.t, point.factor) if self.elimination.moves else self.held
         return self.expand.onto(point.u, from_supports.copy())
 
     def forget(self) -> None:
@@ -168,7 +169,7 @@ class Equations:
 
     def _moved_at(self, t: float, factor: float) -> Floats:
         """What supports add to the coordinates, shape (n_q,)."""
-        return self._moved.get((t, factor), lambda: self._fixed + self._source(factor * self.elimination.motions(t)))
+        return self._moved.get((t, factor), lambda: self.held + self._source(factor * self.elimination.motions(t)))
 
     def _carried_at(self, t: float) -> Floats:
         """Inertia forces due to the accelerations of supports, shape (n_u,)."""
@@ -252,8 +253,7 @@ class Equations:
 
     def same_coordinates(self, other: Equations) -> bool:
         """Whether equal unknowns mean equal coordinates, velocities and accelerations as in other equations."""
-        mine, theirs = self.elimination, other.elimination
-        return mine.T is theirs.T and mine.moves_like(theirs) and np.array_equal(self._fixed, other._fixed)
+        return self.elimination.changes_like(other.elimination) and np.array_equal(self.held, other.held)
 
     def jacobian(self, point: Point) -> sparse.csr_array:
         """Phi_q T, shape (n_lam, n_u)."""

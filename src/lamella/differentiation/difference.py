@@ -67,16 +67,20 @@ class PartDifference:
 
     Args:
         base: the equations at the value of the parameter.
-        sides: the models beside it, with the same constraints and the same map from unknowns to coordinates.
+        sides: the models beside it, with the same constraints and the same map from changes of unknowns to those of coordinates.
 
     Attributes:
-        follows: whether unknowns may follow the parameter as well: where all forces that depend on them tell of both at once.
+        follows: whether coordinates may follow the parameter as well: where all forces that depend on them tell of both at once.
+        moves: whether supports hold coordinates where the parameter says, so that these must follow.
     """
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
         self._base, self._sides, equations = base, sides, [side.equations for side in sides]
         self._forces = _Parts(base, base.forces, sides, [there.forces for there in equations])
         self._loads = _Parts(base, base.loads, sides, [there.loads for there in equations])
+        held = sum(side.weight * (side.equations.held - base.held) for side in sides)
+        self._held = np.zeros(base.model.n_q) + held
+        self.moves = bool(self._held.any())
         alone = base.n_u == base.n_motion and not base.n_lam
         self.follows = alone and self._forces.follows and self._loads.follows
 
@@ -84,15 +88,15 @@ class PartDifference:
         """The derivatives, as :class:`WholeDifference` gives them."""
         base = self._base
         dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
-        return self._difference(point, None, dv, dudd)
+        return self._difference(point, self._held if self.moves else None, dv, dudd)
 
     def along(self, point: Point, dud: Floats, dudd: Floats, du: Floats, weights: Weights) -> tuple[Floats, Floats]:
         """The same of unknowns that follow the parameter by ``du``, with velocities and accelerations that belong to it.
 
-        Only where unknowns may follow. It takes less time than the product of the tangent with ``du``, which is in it.
+        Only where coordinates may follow. It takes less time than the product of the tangent with ``du``, which is in it.
         """
         base = self._base
-        dq, dv = base.expand(du), None
+        dq, dv = base.expand.onto(du, self._held.copy()), None
         if base.depends_on_velocity:
             dv = base.expand(_moved(dud, weights.alpha_v, du))
         return self._difference(point, dq, dv, _moved(dudd, weights.alpha_a, du))
@@ -100,6 +104,8 @@ class PartDifference:
     def _difference(self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
         base, r = self._base, np.zeros(len(point.u))
         q, v = base.coordinates(point), base.force_velocities(point)
+        if dq is not None and dv is None:
+            dv = np.zeros_like(v)
         self._loads.add(point.t, q, v, dq, dv, r)
         if point.factor != 1.0:
             r *= point.factor
@@ -173,8 +179,8 @@ class _Parts:
         """
         if self._wholes.parts:
             for block, part in self._wholes.parts:
-                if dq is not None and isinstance(block, ForceChange):
-                    block.along(t, q, v, dq, v if dv is None else dv, part)
+                if dq is not None and dv is not None and isinstance(block, ForceChange):
+                    block.along(t, q, v, dq, dv, part)
                 else:
                     block.force(t, q, v, part)
             self._wholes.onto(r)
@@ -224,9 +230,13 @@ class _Weighed:
 def difference_of(base: Equations, sides: Sequence[Side]) -> WholeDifference | PartDifference:
     """The difference of residuals between models."""
     constraints = [side.equations.model.constraints for side in sides]
-    same = all(side.equations.same_coordinates(base) and _count(side.equations) == _count(base) for side in sides)
+    same = all(
+        side.equations.elimination.changes_like(base.elimination) and _count(side.equations) == _count(base) for side in sides
+    )
     if same and not any(map(remembers, constraints[0])) and all(alike(constraints[0], other) for other in constraints[1:]):
-        return PartDifference(base, sides)
+        of_parts = PartDifference(base, sides)
+        if of_parts.follows or not of_parts.moves:
+            return of_parts
     return WholeDifference(sides)
 
 

@@ -17,7 +17,7 @@ from lamella.errors import DeclarationError, no_such
 from lamella.io.analysis import Analysis
 from lamella.result import Sink
 from lamella.roles import Floats
-from lamella.sweep.outputs import StudyOutput, recorded
+from lamella.sweep.outputs import SignalOutput, StudyOutput, recorded
 from lamella.sweep.parameter import Parameter, check_paths, quantity_of
 from lamella.system import System
 
@@ -163,8 +163,12 @@ def differentiated(
             raise DeclarationError("gradient", f"{name} changes an analysis", "accepted is a parameter of the system")
         return there
 
+    of_places = all(
+        isinstance(output, SignalOutput) and signals[chosen[name].name][output.signal].linear is not None
+        for name, output in outputs.items()
+    )
     neighbours = [
-        neighbours_of(name, equations, value, sizes.get(name, abs(value) or 1.0), lambda x, name=name: made(name, x))
+        neighbours_of(name, equations, value, sizes.get(name, abs(value) or 1.0), lambda x, name=name: made(name, x), of_places)
         for name, value in values.items()
     ]
     chain = Chain(model, equations, neighbours, sinks)

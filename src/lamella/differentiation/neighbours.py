@@ -23,8 +23,9 @@ STEP = 5e-5
 order 2e-19 of the fifth, and both 4e-12 of the value differenced. The fifth derivative of a strain energy by a length is large: a
 plate that moves along a straight line is stretched, and its membrane is stiffer than its bending by 12 (length / thickness)^2."""
 SHORT = 1e-5
-"""Step of central differences along a change of the state, in sizes of what is changed: it bends what moves along a straight line
-by 1e-10 of that."""
+"""Distance of the models where nothing but places is differentiated, and step of central differences along a change of the state,
+which bends what moves along a straight line by 1e-10 of it. They leave 2e-11 of the third derivative and of the value, which is
+enough of tables of elements, but not of a strain energy."""
 CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
 FOURTH = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
 """Places in steps and weights of the differences."""
@@ -56,7 +57,7 @@ class Neighbours:
     @property
     def following(self) -> PartDifference | None:
         """The difference of residuals where unknowns may follow the parameter as well; None where they may not."""
-        return self.residual if isinstance(self.residual, PartDifference) and self.residual.follows else None
+        return _following(self.residual)
 
     def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
         """The derivative of a function, from its values at the sides."""
@@ -88,12 +89,15 @@ class Neighbours:
         return [side.equations.model.remembering(state) for side in self.sides]
 
 
-def neighbours_of(name: str, base: Equations, value: float, size: float, made: Callable[[float], System]) -> Neighbours:
+def neighbours_of(
+    name: str, base: Equations, value: float, size: float, made: Callable[[float], System], of_places: bool = False
+) -> Neighbours:
     """The neighbours of a model.
 
     Two are enough for a parameter of material, section or load. One that moves the places at which coordinates have no strain
     stretches a plate that is held in its place; the membrane is stiffer than the bending by 12 (length / thickness)^2, and to
-    third order that would be seen. Such a parameter has four neighbours, with differences of fourth order.
+    third order that would be seen. Such a parameter has four neighbours, with differences of fourth order. Of places, which are
+    linear in the coordinates, two are enough where no forces are differenced, but the tables of elements alone.
 
     Args:
         name: of the parameter.
@@ -101,21 +105,30 @@ def neighbours_of(name: str, base: Equations, value: float, size: float, made: C
         value: of the parameter, in its unit.
         size: of a change of the parameter that matters, in its unit.
         made: gives the system for a value.
+        of_places: whether nothing but places and velocities is differentiated.
 
     Raises:
         DeclarationError: there is no model beside the value, or one of another kind.
     """
-    step = STEP * size
+    step = (SHORT if of_places else STEP) * size
     if value + step == value:
         problem = f"{name} = {value!r} is not changed by a share of its size {size!r}"
         raise DeclarationError("gradient", problem, "accepted is a larger one in 'sizes'")
-    above = _equations(name, base, _model(name, value + step, made))
+    here, above = Side(0.0, -1.0 / step, base), Side(step, 1.0 / step, _equations(name, base, _model(name, value + step, made)))
+    rule = CENTRAL
+    if _moves(base, above.equations) and not (of_places and _following(difference_of(base, [here, above]))):
+        step, rule = STEP * size, FOURTH
     sides = []
-    for place, weight in FOURTH if _moves(base, above) else CENTRAL:
+    for place, weight in rule:
         there = value + place * step
-        equations = above if place == 1.0 else _equations(name, base, _model(name, there, made))
+        equations = above.equations if place * step == above.distance else _equations(name, base, _model(name, there, made))
         sides.append(Side(there - value, weight / step, equations))
     return Neighbours(name, sides, difference_of(base, sides))
+
+
+def _following(residual: WholeDifference | PartDifference) -> PartDifference | None:
+    """The difference of residuals if coordinates may follow the parameter in it."""
+    return residual if isinstance(residual, PartDifference) and residual.follows else None
 
 
 def _moves(base: Equations, there: Equations) -> bool:
