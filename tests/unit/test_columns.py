@@ -10,7 +10,7 @@ from lamella import threads
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
-from lamella.differentiation.exact_matrix import ExactMatrix
+from lamella.differentiation.exact_matrix import Change, ExactMatrix
 from lamella.lane import WIDTH
 from lamella.roles import Floats
 from lamella.solve import front_columns, panels
@@ -128,7 +128,8 @@ def test_derivatives_of_several_parameters_are_those_of_each(near: bool) -> None
     point.u += 1e-5 * equations.magnitude * np.sin(np.arange(equations.n_u))
     rng = np.random.default_rng(6)
     changes = [
-        (rng.standard_normal(equations.n_u), np.zeros(0), guess) for guess in (None, None, 1e-9 * np.ones(equations.n_u), None)
+        Change(rng.standard_normal(equations.n_u), np.zeros(0), guess)
+        for guess in (None, None, 1e-9 * np.ones(equations.n_u), None)
     ]
     matrix = ExactMatrix(equations)
     matrix.factorise(start if near else point, weights)
@@ -138,5 +139,5 @@ def test_derivatives_of_several_parameters_are_those_of_each(near: bool) -> None
     assert (matrix._spent > 0) == near
     exact = ExactMatrix(equations)
     exact.factorise(point, weights)
-    for (x, _), (r, s, _) in zip(found, changes, strict=True):
-        same(x, exact.solve(r, s)[0])
+    for (x, _), change in zip(found, changes, strict=True):
+        same(x, exact.solve(change.r, change.s)[0])

@@ -1,4 +1,4 @@
-"""The exact matrix at a solution: a matrix near it factorised, and what that lacks by conjugate residuals."""
+"""The exact matrix at a solution: a matrix near it factorised, and what that lacks by conjugate directions."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.assembly.product import TangentProduct
+from lamella.differentiation.conjugate_gradients import FINE, ConjugateGradients
+from lamella.differentiation.directions import LEAST
 from lamella.differentiation.renewal import Renewal
-from lamella.differentiation.residuals import LEAST, ConjugateResiduals
+from lamella.differentiation.residuals import ConjugateResiduals
 from lamella.errors import ModelError, SingularSystemError
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
@@ -66,7 +68,7 @@ class ExactMatrix:
 
         B^-1 A x = B^-1 b
 
-    is solved by the method of generalised conjugate residuals. What products tell of A at a point serves all right-hand sides.
+    is solved by conjugate residuals, or by conjugate gradients. What products tell of A at a point serves all right-hand sides.
     To lay out an unsymmetric A takes as long as hundreds of substitutions: it is factorised only where ``MOST`` products are not
     enough, and from then on.
 
@@ -77,7 +79,7 @@ class ExactMatrix:
 
     Attributes:
         enough: what a solution may lack, as a share of it; it is improved once more then and no further.
-        remainders: of the solutions of :meth:`solve_each`; None where they are right, or solved by magnitudes.
+        remainders: of the solutions of :meth:`solve_each`; None where they are right, or solved by residuals.
         renewed: values of the matrix that was factorised for the present point, in the pattern's order; None where the one that
             the solver held serves.
 
@@ -93,7 +95,8 @@ class ExactMatrix:
         self._residual: Callable[[Floats, Floats, Floats], tuple[Floats, Floats]] | None = None
         self._renewal, self._spent = Renewal(_products_for(self.linear)), 0
         self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
-        self._residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
+        self._by_residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
+        self._by_gradients: ConjugateGradients | None = None
         self._outlasts = equations.multiplies and not equations.n_lam
         self._remainder: Remainder | None = None
         self.remainders: list[Remainder | None] = []
@@ -134,18 +137,20 @@ class ExactMatrix:
     def _begin(self, point: Point, weights: Weights) -> None:
         self._at, self._residual, self.renewed = (point, weights), None, None
         self._spent = 0
-        self._residuals.forget()
+        self._by_residuals.forget()
+        if self._by_gradients is not None:
+            self._by_gradients.forget()
 
-    @property
-    def by_energy(self) -> bool:
-        """Whether solutions at the present point are measured by their energy, where A is symmetric and B near it, of an earlier
-        point; to be set before they are asked for.
+    def measure_by_energy(self, wanted: bool) -> bool:
+        """Solve by conjugate gradients at the present point, where A is symmetric and B near it, of an earlier point; else by
+        residuals, in magnitudes. To be said before solutions are asked for; whether that is so now.
         """
-        return self._residuals.by_energy
-
-    @by_energy.setter
-    def by_energy(self, wanted: bool) -> None:
-        self._residuals.by_energy = wanted and self._outlasts and self.equations.is_exact
+        possible = wanted and self._outlasts and self.equations.is_exact
+        if not possible:
+            self._by_gradients = None
+        elif self._by_gradients is None:
+            self._by_gradients = ConjugateGradients(1.0 / self.equations.magnitude, MOST)
+        return possible
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """The change of unknowns and multipliers that a change (r, s) of residual and constraints asks for."""
@@ -189,16 +194,19 @@ class ExactMatrix:
 
     def _improved(self, change: Change, found: tuple[Floats, Floats], force: Floats) -> tuple[Floats, Floats]:
         """The solution from what is left beside the guess, ``force``, and what a substitution has ``found`` of it."""
-        known, learnt, enough = self._residuals, 0, max(self.enough, LEAST)
+        by_energy, learnt, enough = self._by_gradients, 0, max(self.enough, LEAST)
         z, left = None if change.guess is None else _joined(change.guess, self._nothing[1]), _joined(*found)
         if z is not None and not self.equations.multiplies:
             left = left - z
+        known = by_energy or self._by_residuals
         lacking = known.begin(z, left, force)
+        if by_energy and by_energy.known and enough < FINE:
+            lacking = by_energy.renew(self._substituted(by_energy.force))
         while not lacking <= enough and learnt < MOST and not isnan(lacking):
-            lacking = known.improve(*self._lacking(*self._nothing, known.left))
+            lacking = self._lacking()
             learnt += 1
         if lacking <= enough:
-            self._remainder = Remainder(known.force.copy(), known.left.copy()) if self.by_energy else None
+            self._remainder = Remainder(by_energy.force.copy(), by_energy.left.copy()) if by_energy else None
             x, n = known.solution(), len(change.r)
             return x[:n], x[n:]
         if self.renewed is None:
@@ -243,11 +251,18 @@ class ExactMatrix:
 
         return times
 
-    def _lacking(self, r: Floats, s: Floats, z: Floats) -> tuple[Floats, Floats]:
-        """-B^-1 ((r, s) + A z), and of the unknowns -(r + A z) where products with A are at hand."""
-        rest = self._rest(r, s, z)
-        x = _joined(*self.linear.solve(*rest))
-        return (x if self.equations.multiplies else x - z), rest[0]
+    def _lacking(self) -> float:
+        """How much the solution lacks with one direction more: a product and a substitution."""
+        if self._by_gradients is not None:
+            rest, _ = self._rest(*self._nothing, self._by_gradients.left)
+            return self._by_gradients.improve(rest, self._substituted)
+        left = self._by_residuals.left
+        x = _joined(*self.linear.solve(*self._rest(*self._nothing, left)))
+        return self._by_residuals.improve(x if self.equations.multiplies else x - left)
+
+    def _substituted(self, force: Floats) -> Floats:
+        """B^-1 ``force``, without multipliers."""
+        return self.linear.solve(force, self._nothing[1])[0]
 
     def _rest(self, r: Floats, s: Floats, z: Floats) -> tuple[Floats, Floats]:
         """-((r, s) + A z), or -((r, s) + (A - B) z) where the matrix at hand is the symmetric part of A."""

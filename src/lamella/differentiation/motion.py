@@ -246,13 +246,14 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             point: the end of the step.
         """
         matrix, unsteady = self.matrix, all(prediction.unsteady for prediction in self._predictions)
-        matrix.by_energy, matrix.enough = False, (1.0 if unsteady else SHARE) * self._tolerance
+        matrix.enough = (1.0 if unsteady else SHARE) * self._tolerance
         guesses = [prediction.guess(base) for prediction, base in zip(self._predictions, bases, strict=True)]
         if any(guess is not None for guess in guesses):
+            matrix.measure_by_energy(False)
             return guesses
         starts = [self._from_first(k, point) for k in range(len(bases))]
-        matrix.by_energy = all((one is None) == (other is None) for one, other in zip(starts, self._at_first, strict=True))
-        if matrix.by_energy:
+        by_energy = all((one is None) == (other is None) for one, other in zip(starts, self._at_first, strict=True))
+        if matrix.measure_by_energy(by_energy):
             matrix.enough = OF_ENERGY * self._tolerance
         return starts
 

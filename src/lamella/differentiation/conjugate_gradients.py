@@ -1,0 +1,139 @@
+"""Conjugate gradients: the energy of what is left is least."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+
+from lamella._jit import kernel
+from lamella.differentiation.directions import LEAST, Directions, share_of
+from lamella.lane import number_at, put_at
+from lamella.lane_rows import add_row, dot, set_row
+from lamella.roles import Floats
+
+AT_BEST = 0.02
+"""Share of what is left that the next direction is expected to leave at least, however little the last one has left by chance."""
+FINE = 1e-6
+"""What a solution may lack below which its first substitution is made anew once earlier directions have taken their share: what
+is known of these tells it to single precision where B^-1 computes with that."""
+
+
+class ConjugateGradients(Directions):
+    """Solves A z = b for several b, with directions p of energy p . A p = 1 and of none with each other; for symmetric A and B
+    without multipliers.
+
+    What is left is substituted anew after each direction, so that B^-1 need not be linear to more than that. Of a plate, whose
+    membrane is stiffer than its bending by orders of magnitude, they need half as many directions for the same forces as
+    :class:`~lamella.differentiation.residuals.ConjugateResiduals`. How much a solution lacks is told as the square root of the
+    energy of what is left, beside that of b - A z for the guess.
+
+    Args:
+        per_magnitude, most: as for :class:`Directions`.
+
+    Attributes:
+        force: b - A z, shape (n,).
+
+    Source: the flexible form of Y. Notay, SIAM J. Sci. Comput. 22 (2000) 1444-1460, with all directions kept.
+    """
+
+    def __init__(self, per_magnitude: Floats, most: int) -> None:
+        super().__init__(per_magnitude, 0, most)
+        self._force = np.zeros(self._padded)
+        self.force = self._force[: len(per_magnitude)]
+        self._directions, self._forces, self._images = np.zeros((3, most * self._padded))
+        self._vectors = self._z, self._left, self._force, self._directions, self._forces, self._images
+        self._whole, self._last = 0.0, 0.0
+
+    def begin(self, z: Floats | None, left: Floats, force: Floats) -> float:
+        """As the role says."""
+        self._start(z, left)
+        self.force[:] = force
+        self._whole, of_magnitudes, energy = _begin(self.known, *self._vectors, self._weights)
+        self._last = 0.0
+        return self._lacking(of_magnitudes, energy)
+
+    def renew(self, left: Floats) -> float:
+        """Take what a substitution has found of ``force`` for what is left; how much the solution lacks."""
+        self.left[:] = left
+        self._last = 0.0
+        return self._lacking(*_shares(self._z, self._left, self._force, self._weights))
+
+    def improve(self, rest: Floats, substituted: Callable[[Floats], Floats]) -> float:
+        """Add the direction ``left``, of which A left = -``rest``; ``substituted`` multiplies with B^-1."""
+        k = self._place()
+        share = _advance(rest, k, *self._vectors)
+        if not share > 0.0:
+            return np.nan
+        return self._lacking(*_left_anew(substituted(self.force), share, k, *self._vectors, self._weights))
+
+    def _lacking(self, of_magnitudes: float, energy: float) -> float:
+        """Each direction leaves a like share: what the last one has left is what the solution gains by ``left``."""
+        if of_magnitudes <= LEAST:
+            return of_magnitudes
+        share = sqrt(energy / self._whole) if energy >= 0.0 and self._whole > 0.0 else np.nan
+        left = min(1.0, max(share / self._last, AT_BEST)) if self._last else 1.0
+        self._last = share
+        return left * share
+
+
+@kernel
+def _begin(
+    known: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats, images: Floats, weights: Floats
+) -> tuple[float, float, float]:
+    """Take what is known into z; the energy of what was left before, and the shares of what is left now."""
+    n = len(left)
+    whole = dot(left, 0, force, 0, n)
+    for at in range(0, known * n, n):
+        share = dot(directions, at, force, 0, n)
+        add_row(z, 0, share, directions, at, n)
+        add_row(force, 0, -share, forces, at, n)
+        add_row(left, 0, -share, images, at, n)
+    of_magnitudes, energy = _shares(z, left, force, weights)
+    return whole, of_magnitudes, energy
+
+
+@kernel
+def _advance(
+    rest: Floats, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats, images: Floats
+) -> float:
+    """Direction number k, of energy 1 and none with those before; its share, which is taken into z, 0 where it has no energy."""
+    n = len(left)
+    at = k * n
+    set_row(directions, at, 1.0, left, 0, n)
+    for i in range(len(rest)):
+        put_at(forces, at + i, -number_at(rest, i))
+    for before in range(0, at, n):
+        share = dot(forces, before, directions, at, n)
+        add_row(directions, at, -share, directions, before, n)
+        add_row(forces, at, -share, forces, before, n)
+    energy = dot(directions, at, forces, at, n)
+    if not energy > 0.0:
+        return 0.0
+    factor = 1.0 / sqrt(energy)
+    set_row(directions, at, factor, directions, at, n)
+    set_row(forces, at, factor, forces, at, n)
+    share = dot(directions, at, force, 0, n)
+    add_row(z, 0, share, directions, at, n)
+    add_row(force, 0, -share, forces, at, n)
+    return share
+
+
+@kernel
+def _left_anew(
+    new: Floats, share: float, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats,
+    images: Floats, weights: Floats,
+) -> tuple[float, float]:  # fmt: skip
+    """What a substitution has found of what is left now; the image of direction number k follows; the shares of what is left."""
+    at, per_share = k * len(left), 1.0 / share
+    for i in range(len(new)):
+        put_at(images, at + i, per_share * (number_at(left, i) - number_at(new, i)))
+        put_at(left, i, number_at(new, i))
+    return _shares(z, left, force, weights)
+
+
+@kernel
+def _shares(z: Floats, left: Floats, force: Floats, weights: Floats) -> tuple[float, float]:
+    """What is left as a share of z, in magnitudes, and its energy."""
+    return share_of(z, left, weights), dot(left, 0, force, 0, len(left))
