@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import fsum
 
 import numpy as np
 from scipy import sparse
@@ -16,11 +17,12 @@ def vector_mass(blocks: Iterable[InertiaBlock], n_vectors: int) -> sparse.csr_ar
 
 
 def differenced(models: Sequence[Sequence[InertiaBlock]], weights: Sequence[float], n_vectors: int) -> sparse.csr_array:
-    """sum w m of several models, as :func:`vector_mass` gives m; of one matrix where their entries stand at the same places."""
+    """sum w m of several models, as :func:`vector_mass` gives m; nothing of what is equal in all where the weights cancel."""
     entries = [_entries(blocks) for blocks in models]
-    (i, j, _), *others = entries
+    (i, j, of_first), *others = entries
     if all(np.array_equal(i, other[0]) and np.array_equal(j, other[1]) for other in others):
-        return _matrix((i, j, np.tensordot(weights, [m for _, _, m in entries], 1)), n_vectors)
+        total = fsum(weights) * of_first + np.tensordot(weights[1:], [m - of_first for _, _, m in others], 1)
+        return _matrix((i, j, total), n_vectors)
     first, *more = (w * _matrix(each, n_vectors) for w, each in zip(weights, entries, strict=True))
     return sparse.csr_array(sum(more, start=first))
 

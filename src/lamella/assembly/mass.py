@@ -31,11 +31,6 @@ class Mass:
         mine, theirs = self._model.vector_mass, self._like._model.vector_mass
         return self._like if mine.nnz == theirs.nnz and abs(mine - theirs).max() == 0.0 else None
 
-    @property
-    def as_like(self) -> bool:
-        """Whether the masses are those of the other model."""
-        return self._same is not None
-
     @cached_property
     def in_all(self) -> VectorOperator:
         """M, for all coordinates (n_q,)."""

@@ -119,19 +119,17 @@ class PartDifference:
     @cached_property
     def _mass(self) -> _MassDifference | None:
         """The difference of the masses, if there is one; nothing at rest needs it, and it takes a good part of the time there."""
-        base = self._base
-        others = [side.equations for side in self._sides]
-        same = all(alike(there.model.inertias, base.model.inertias) or there.mass.as_like for there in others)
-        return None if same else _MassDifference(base, self._sides)
+        first, *others = inertias = [side.equations.model.inertias for side in self._sides]
+        if all(alike(first, other) for other in others):
+            return None
+        m = differenced(inertias, [side.weight for side in self._sides], self._base.model.n_motion // 3)
+        return _MassDifference(self._base, m) if m.data.any() else None
 
 
 class _MassDifference:
-    """dM/dp from the masses of the models beside a parameter."""
+    """dM/dp = m x 1_3."""
 
-    def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
-        m = differenced(
-            [side.equations.model.inertias for side in sides], [side.weight for side in sides], base.model.n_motion // 3
-        )
+    def __init__(self, base: Equations, m: sparse.csr_array) -> None:
         self._base, self._in_all = base, VectorOperator(m)
         self._in_independent = None if base.elimination.moves else in_independent(m, base.elimination.T)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -29,6 +29,7 @@ from lamella.integrate.staggered import StaggeredNewton
 from lamella.motion import March, consistent_start, refuse_spin
 from lamella.result import Recorder, Result, Statistics
 from lamella.roles import Floats
+from lamella.solve.base import LinearSolver
 from lamella.solve.linear import Method, linear_solver
 from lamella.solve.turned_nodes import NodeTurns
 from lamella.state import State
@@ -54,6 +55,7 @@ class DifferentiatedAlpha(Integrator):
         start: derivatives of the initial state; None for the reference configuration.
         sample: takes each point with its derivatives.
         beside: what the models beside each parameter remember at the start.
+        held: the solver that has made the start consistent, with its factorisation.
     """
 
     options: GeneralizedAlpha
@@ -61,6 +63,7 @@ class DifferentiatedAlpha(Integrator):
     start: Sequence[PointDerivative] | None
     sample: Sample
     beside: Sequence[Sequence[State]] | None = None
+    held: LinearSolver | None = None
 
     def __post_init__(self) -> None:
         for name in ("dt", "dt_min", "dt_max", "tolerance"):
@@ -95,7 +98,7 @@ def differentiated_run(
     linear = linear_solver(equations.matrix.pattern)
     point, _ = consistent_start(equations, linear, t_start, initial)
     recorder = Recorder([signal for signal in model.signals if signal.cumulative], "time", t_start, t_end, frames=1)
-    march = March(equations, method, recorder, statistics, t_end, linear, stride=sys.maxsize)
+    march = March(equations, replace(method, held=linear), recorder, statistics, t_end, linear, stride=sys.maxsize)
     march.begin(point)
     outcome = march.run()
     return Result(model, recorder, model.remembering(march.whole()), outcome, statistics)
@@ -130,6 +133,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             problem = "the derivatives of a motion with 'stabilised' or with coupling 'staggered' are not available"
             raise DeclarationError("gradient", problem, "accepted is generalized_alpha without them")
         self.neighbours, self.given, self.sample, self.beside = made.neighbours, made.start, made.sample, made.beside
+        self.held = made.held
         self.matrix = ExactMatrix(equations, newton.linear)
         self._tolerance = made.options.newton.tolerance
         self._adopt, self._turn_to = newton.adopt, newton.turn_to
@@ -157,7 +161,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
             ]
         else:
             self.derivatives = projected_velocities(self.matrix, before, point, self.neighbours, self.derivatives)
-        self.derivatives = rates_derivative(self.matrix, point, self.neighbours, self.derivatives)
+        self.derivatives = rates_derivative(self.matrix, point, self.neighbours, self.derivatives, self.held if first else None)
         for each in self._predictions:
             each.forget()
         self._owed = []

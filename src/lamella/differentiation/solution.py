@@ -12,6 +12,7 @@ from lamella.differentiation.difference import Side
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours
 from lamella.roles import Floats
+from lamella.solve.base import LinearSolver
 from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent, start_of
 from lamella.solve.linear import linear_solver
 
@@ -83,7 +84,11 @@ def start_derivative(neighbours: Neighbours, point: Point, given: PointDerivativ
 
 
 def rates_derivative(
-    matrix: ExactMatrix, point: Point, neighbours: Sequence[Neighbours], found: Sequence[PointDerivative]
+    matrix: ExactMatrix,
+    point: Point,
+    neighbours: Sequence[Neighbours],
+    found: Sequence[PointDerivative],
+    held: LinearSolver | None = None,
 ) -> list[PointDerivative]:
     """Derivatives of accelerations, multipliers and rates of fields at a consistent start, from those of u and ud.
 
@@ -94,15 +99,18 @@ def rates_derivative(
         point: the start.
         neighbours: of each parameter.
         found: derivatives of u and ud.
+        held: the solver that has found the rates of the start, with its factorisation.
     """
     n = matrix.equations.n_motion
-    held = [np.zeros_like(known.u) for known in found]
+    moved = [np.zeros_like(known.u) for known in found]
     if any(known.u.any() for known in found):
         K = matrix.stiffness(point)
-        held = [K(known.u) for known in found]
-    matrix.factorise(point, MASS_ONLY)
+        moved = [K(known.u) for known in found]
+    if held is None or not matrix.equations.is_exact:
+        matrix.factorise(point, MASS_ONLY)
+        held = None
     derivatives = []
-    for each, known, Ku in zip(neighbours, found, held, strict=True):
+    for each, known, Ku in zip(neighbours, found, moved, strict=True):
         dud = np.concatenate([known.ud[:n], np.zeros(len(known.ud) - n)])  # rates of fields are what is looked for
         dr = residual_difference(each, point, PointDerivative(known.u, dud, np.zeros_like(dud), known.lam))[0] + Ku
 
@@ -110,7 +118,8 @@ def rates_derivative(
             there, at = side.equations, known.moved(point, side.distance)
             return there.acceleration_rest(at) + there.constraints.times(at.t, there.coordinates(at), there.expand(at.udd))
 
-        rates, dlam = matrix.solve(dr, each.difference(needed))
+        ds = each.difference(needed)
+        rates, dlam = matrix.solve(dr, ds) if held is None else held.solve(-dr, -ds)
         dud[n:] = rates[n:]
         derivatives.append(PointDerivative(known.u, dud, np.concatenate([rates[:n], np.zeros(len(rates) - n)]), dlam))
     return derivatives
