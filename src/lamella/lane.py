@@ -4,7 +4,7 @@ Numba maps ``Lane`` to LLVM's ``<WIDTH x double>``. An expression in + - * / and
 several elements at once; a number combined with a lane counts for all of them. Lanes live in kernels only: they are loaded from
 and stored to consecutive entries of a flat float64 array. They may be loaded from and stored to an array of float32 or int16 as
 well, which takes a half or a quarter of the memory: what is read becomes float64, what is written is rounded, to int16 towards
-zero.
+zero. Where single precision is enough, ``SingleLane`` holds twice as many numbers, as float32.
 """
 
 from __future__ import annotations
@@ -51,49 +51,48 @@ def aligned(size: int) -> Floats:
 
 
 class LaneType(types.Type):
-    """Numba's type of a vector of ``WIDTH`` float64."""
+    """Numba's type of a vector of numbers, by its name and LLVM's type of it."""
 
-    def __init__(self) -> None:
-        super().__init__(name="Lane")
+    def __init__(self, name: str, vector: Any) -> None:
+        super().__init__(name=name)
+        self.vector = vector
 
 
-Lane = LaneType()
+Lane = LaneType("Lane", _VECTOR)
+SingleLane = LaneType("SingleLane", ir.VectorType(ir.FloatType(), 2 * WIDTH))
 
 
 @register_model(LaneType)
 class LaneModel(PrimitiveModel):
     """A lane is held in one vector register."""
 
-    def __init__(self, dmm: Any, fe_type: types.Type) -> None:
-        super().__init__(dmm, fe_type, _VECTOR)
+    def __init__(self, dmm: Any, fe_type: LaneType) -> None:
+        super().__init__(dmm, fe_type, fe_type.vector)
 
 
-def _spread(builder: Any, number: Any) -> Any:
+def _spread(builder: Any, number: Any, vector: Any = _VECTOR) -> Any:
     """The same number in all places."""
-    one = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
-    zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
-    return builder.shuffle_vector(one, ir.Constant(_VECTOR, ir.Undefined), zeros)
+    if number.type != vector.element:
+        number = builder.fptrunc(number, vector.element)
+    one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), vector.count), [0] * vector.count)
+    return builder.shuffle_vector(one, ir.Constant(vector, ir.Undefined), zeros)
 
 
-def _as_lane(builder: Any, value: Any) -> Any:
-    return value if value.type == _VECTOR else _spread(builder, value)
+def _as_lane(builder: Any, value: Any, vector: Any = _VECTOR) -> Any:
+    return value if value.type == vector else _spread(builder, value, vector)
 
 
 def _register_binary(function: Any, instruction: str) -> None:
     """Teach Numba one operator for lane with lane and lane with number."""
-    operands = ((Lane, Lane), (Lane, types.float64), (types.float64, Lane))
+    operands = [pair for lane in (Lane, SingleLane) for pair in ((lane, lane), (lane, types.float64), (types.float64, lane))]
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        left, right = (_as_lane(builder, value) for value in args)
+        left, right = (_as_lane(builder, value, sig.return_type.vector) for value in args)
         return getattr(builder, instruction)(left, right, flags=_FLAGS)
 
-    infer_global(function)(
-        type(
-            f"Lane_{instruction}",
-            (ConcreteTemplate,),
-            {"cases": [signature(Lane, *pair) for pair in operands], "metadata": FIRST},
-        )
-    )
+    cases = [signature(next(x for x in pair if isinstance(x, LaneType)), *pair) for pair in operands]
+    infer_global(function)(type(f"Lane_{instruction}", (ConcreteTemplate,), {"cases": cases, "metadata": FIRST}))
     for pair in operands:
         lower_builtin(function, *pair)(lower)
 
@@ -186,13 +185,13 @@ class _Stored(NamedTuple):
     Args:
         number: LLVM's type of a number in the array.
         align: bytes of it.
-        widen, narrow: instructions of the builder; None where the numbers are those of a lane.
+        widen, narrow: instructions of the builder; empty where the numbers are those of a lane.
     """
 
     number: Any
     align: int
-    widen: str | None = None
-    narrow: str | None = None
+    widen: str = ""
+    narrow: str = ""
 
 
 _STORED = {
@@ -203,27 +202,29 @@ _STORED = {
 """Arrays that lanes are loaded from and stored to, by the type of their numbers."""
 
 
-def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int) -> Any:
+def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int, count: int) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
-    vector = ir.VectorType(_STORED[array_type.dtype].number, WIDTH)
+    vector = ir.VectorType(_STORED[array_type.dtype].number, count)
     return builder.bitcast(builder.gep(data, [builder.mul(index, ir.Constant(index.type, stride))]), vector.as_pointer())
 
 
-def _loader(stride: int) -> Any:
+def _loader(stride: int, vector: Any = _VECTOR) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         stored = _STORED[sig.args[0].dtype]
-        found = builder.load(_vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), align=stored.align)
-        return getattr(builder, stored.widen)(found, _VECTOR) if stored.widen else found
+        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride, vector.count)
+        found = builder.load(pointer, align=stored.align)
+        return found if found.type == vector else getattr(builder, stored.widen)(found, vector)
 
     return generate
 
 
-def _storer(stride: int) -> Any:
+def _storer(stride: int, vector: Any = _VECTOR) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        stored, value = _STORED[sig.args[0].dtype], _as_lane(builder, args[2])
-        if stored.narrow:
-            value = getattr(builder, stored.narrow)(value, ir.VectorType(stored.number, WIDTH))
-        builder.store(value, _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride), align=stored.align)
+        stored, value = _STORED[sig.args[0].dtype], _as_lane(builder, args[2], vector)
+        if stored.number != vector.element:
+            value = getattr(builder, stored.narrow)(value, ir.VectorType(stored.number, vector.count))
+        pointer = _vector_pointer(context, builder, sig.args[0], args[0], args[1], stride, vector.count)
+        builder.store(value, pointer, align=stored.align)
         return context.get_dummy_value()
 
     return generate
@@ -259,7 +260,7 @@ def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
         number = builder.load(builder.gep(data, [args[1]]))
         return getattr(builder, widen)(number, ir.DoubleType()) if widen else number
 
-    widen = _STORED[array.dtype].widen if array.dtype in _STORED else None
+    widen = _STORED[array.dtype].widen if array.dtype in _STORED else ""
     return (types.float64 if widen else array.dtype)(array, types.intp), generate
 
 
@@ -298,6 +299,28 @@ def store_at(typing_context: Any, array: types.Type, index: types.Type, value: t
 
 
 @intrinsic
+def load_singles(typing_context: Any, array: types.Type, index: types.Type) -> Any:
+    """``load_singles(array, index)``: the lane of 2 WIDTH single numbers from an index on, of float32 or int16."""
+    return SingleLane(array, types.intp), _loader(1, SingleLane.vector)
+
+
+@intrinsic
+def store_singles(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
+    """``store_singles(array, index, lane)``: write a lane of single numbers to an array of float32."""
+    return types.none(array, types.intp, value), _storer(1, SingleLane.vector)
+
+
+@intrinsic
+def spread_singles(typing_context: Any, number: types.Type) -> Any:
+    """``spread_singles(number)``: a lane of single numbers holding the same one in all places."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _spread(builder, args[0], SingleLane.vector)
+
+    return SingleLane(types.float64), generate
+
+
+@intrinsic
 def spread(typing_context: Any, number: types.Type) -> Any:
     """``spread(number)``: a lane holding the same number in all places."""
 
@@ -312,9 +335,12 @@ def total(typing_context: Any, value: types.Type) -> Any:
     """``total(lane)``: the sum of the numbers of a lane."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        double = ir.DoubleType()
-        function_type = ir.FunctionType(double, [double, _VECTOR])
-        add = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.vector.reduce.fadd.v{WIDTH}f64")
-        return builder.call(add, [ir.Constant(double, 0.0), args[0]], fastmath=("reassoc", *_FLAGS))
+        vector = sig.args[0].vector
+        number, double = vector.element, ir.DoubleType()
+        function_type = ir.FunctionType(number, [number, vector])
+        kind = f"v{vector.count}f{64 if number == double else 32}"
+        add = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.vector.reduce.fadd.{kind}")
+        found = builder.call(add, [ir.Constant(number, 0.0), args[0]], fastmath=("reassoc", *_FLAGS))
+        return found if number == double else builder.fpext(found, double)
 
-    return types.float64(Lane), generate
+    return types.float64(value), generate

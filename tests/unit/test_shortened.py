@@ -136,9 +136,9 @@ def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatc
     model, method = WORK[1].plate().compile(), lm.GeneralizedAlpha(1e-3, newton=lm.Newton(tolerance=1e-9, keep=0.6))
     done, shortened, shorten = [], [0], Multifrontal.shorten
 
-    def counted(factor: Multifrontal) -> None:
+    def counted(factor: Multifrontal, singles: bool = True) -> None:
         before = factor._panels.fresh
-        shorten(factor)
+        shorten(factor, singles)
         shortened[0] += before and not factor._panels.fresh
         assert factor._panels.fresh or (factor._scaled is not None) == (left == INTEGERS)
 

@@ -162,8 +162,14 @@ class ExactMatrix:
             return change.completed(*self._unsymmetric.solve(change.r, change.s))
         if self.equations.is_exact and self.renewed is not None:
             return change.completed(*self.linear.solve(-change.r, -change.s))
+        self._shorten()
         rest = self._beside(change)
         return self._improved(change, self.linear.solve(*rest), rest[0])
+
+    def _shorten(self) -> None:
+        """Let a factorisation that serves on be as rough as the method bears."""
+        if self.renewed is None:
+            self.linear.shorten(singles=self._by_gradients is not None)
 
     def solve_each(self, changes: Sequence[Change]) -> list[tuple[Floats, Floats]]:
         """The same for several changes, whose first substitutions go together."""
@@ -174,6 +180,7 @@ class ExactMatrix:
         self.remainders = []
         if self._unsymmetric is not None or not self.equations.multiplies or len(changes) == 1:
             return [self._noted(self._solve(each)) for each in changes]
+        self._shorten()
         rests = [self._beside(change) for change in changes]
         lefts = self.linear.solve_each(rests)
         renewed, found = self.renewed, []

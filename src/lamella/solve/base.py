@@ -24,7 +24,7 @@ class LinearSolver(ABC):
        n + i) when the matrix is singular or not finite. After an error there is no factorisation.
     4. ``solve`` may be called any number of times for one factorisation, changes nothing, and returns new arrays.
     5. A solution is right to rounding, or an error is raised: a solver without safe pivoting checks its residual. After
-       ``shorten`` it may be right to single precision, until ``factorise`` is called again.
+       ``shorten`` it may be rough, until ``factorise`` is called again.
     6. ``negative_pivots`` is the number of negative eigenvalues of K (of K on the null space of J, with multipliers) of the
        last factorisation, None where it is not known. An equilibrium is stable when it is 0.
     """
@@ -52,8 +52,12 @@ class LinearSolver(ABC):
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solution x (n,), y (n_lam,) for the right-hand side r (n,), s (n_lam,)."""
 
-    def shorten(self) -> None:  # noqa: B027 - those that gain nothing by it leave it out
-        """From now on the factorisation serves for matrices near the one that it is of: solve roughly if faster."""
+    def shorten(self, singles: bool = True) -> None:  # noqa: B027 - those that gain nothing by it leave it out
+        """From now on the factorisation serves for matrices near the one that it is of: solve roughly if faster.
+
+        Args:
+            singles: whether substitutions may compute in single precision too, so that they are linear but for its rounding.
+        """
 
     def solve_each(self, rights: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, Floats]]:
         """Solutions for several right-hand sides, which may cost less together."""
@@ -84,7 +88,7 @@ class SymmetricFactor(ABC):
     def solve(self, r: Floats) -> Floats:
         """K^-1 r for the last successful factorisation."""
 
-    def shorten(self) -> None:  # noqa: B027
+    def shorten(self, singles: bool = True) -> None:  # noqa: B027
         """As :meth:`LinearSolver.shorten`."""
 
 

@@ -14,7 +14,7 @@ import math
 
 from lamella._jit import inlined, inner, shared
 from lamella.lane import WIDTH, load_at, number_at, put_at, store_at
-from lamella.roles import Floats, Indices, Ints
+from lamella.roles import Floats, Indices, Ints, Reals
 
 BLOCK = 96
 """Columns of a panel that are factorised before the rest is updated: 3 ``WIDTH`` rows of them stay in the first-level cache."""
@@ -247,7 +247,7 @@ def clear(c: Floats, c0: int, n: int) -> None:
 
 
 @inlined
-def add_entries(c: Floats, c0: int, d: Floats, d0: int, n: int) -> None:
+def add_entries(c: Reals, c0: int, d: Reals, d0: int, n: int) -> None:
     """c[c0:] += d[d0:] for n entries."""
     i = 0
     while i + WIDTH <= n:

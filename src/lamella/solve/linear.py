@@ -67,9 +67,9 @@ class AutomaticSolver(LinearSolver):
         self._general.factorise(k, j)
         self._active = self._general
 
-    def shorten(self) -> None:
+    def shorten(self, singles: bool = True) -> None:
         """Solve roughly from now on."""
-        self._active.shorten()
+        self._active.shorten(singles)
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve with the last factorisation."""

@@ -9,7 +9,7 @@ import numpy as np
 from lamella import threads
 from lamella.assembly.pattern import Pattern
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Ints
+from lamella.roles import Floats, Ints, Reals
 from lamella.solve import front_columns, front_kernels, front_solution, panels
 from lamella.solve.base import SymmetricFactor
 from lamella.solve.layout import layout_of
@@ -45,6 +45,7 @@ class Multifrontal(SymmetricFactor):
         self.cost, self.size = layout.cost, layout.size
         self._panels, self._u = Panels(layout.size), aligned(plan.update_size)
         self._scaled: Scaled | None = None
+        self._singles = False
         n = len(layout.coordinate)
         self._signs, self._magnitude = np.ones(n), np.zeros(n)
         self._z, self._rest = np.zeros(len(layout.coordinate)), np.zeros(len(layout.rows))
@@ -97,8 +98,9 @@ class Multifrontal(SymmetricFactor):
             threads.run(calls, worthwhile=max(len(of_update), len(of_panel)) > 1)
         return -1
 
-    def shorten(self) -> None:
+    def shorten(self, singles: bool = True) -> None:
         """Read the factor in single precision, or as integers, from now on, where that is faster."""
+        self._singles = singles
         if self._panels.fresh and self.size >= panels.SCALED:
             self._scaled = self._in_integers()
         self._panels.shorten()
@@ -118,6 +120,10 @@ class Multifrontal(SymmetricFactor):
     @property
     def _factor(self) -> Readable:
         return self._scaled or self._panels.read
+
+    def _reals(self, space: Floats) -> Reals:
+        """Work space of a substitution: of single numbers where these serve."""
+        return space.view(np.float32)[: len(space)] if self._singles and self._scaled is not None else space
 
     def solve(self, r: Floats) -> Floats:
         """K^-1 r by forward and back substitution."""
@@ -159,18 +165,19 @@ class Multifrontal(SymmetricFactor):
         front_columns.gather_columns(x, factor, at.position, out)
 
     def _solve(self, r: Floats) -> Floats:
-        at, plan, z, x, factor = self._layout, self._plan, self._z, np.empty_like(r), self._factor
+        at, plan, x, factor = self._layout, self._plan, np.empty_like(r), self._factor
+        z, rest = self._reals(self._z), self._reals(self._rest)
         if not plan.solves:
-            work = z, self._rest, self._y.array
+            work = z, rest, self._reals(self._y.array)
             fronts = plan.fronts, at.rows, at.runs, factor, self._signs
             front_solution.solve_coordinates(self._order, *fronts, at.position, r, *work, x)
             return x
 
         def forward(order: Ints) -> None:
-            front_solution.forward(order, plan.fronts, at.runs, factor, self._signs, z, self._rest, self._y.array)
+            front_solution.forward(order, plan.fronts, at.runs, factor, self._signs, z, rest, self._reals(self._y.array))
 
         def backward(order: Ints) -> None:
-            front_solution.backward(order, plan.fronts, at.rows, factor, z, self._y.array)
+            front_solution.backward(order, plan.fronts, at.rows, factor, z, self._reals(self._y.array))
 
         front_solution.spread_positions(r, factor, at.position, z)
         threads.run([partial(forward, order) for order in self._orders])

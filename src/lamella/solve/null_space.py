@@ -94,7 +94,7 @@ class NullSpaceSolver(LinearSolver):
             return np.inf, self._lu.coordinate_at(softest)
         return error / (size + 1.0), self._lu.coordinate_at(worst)
 
-    def shorten(self) -> None:
+    def shorten(self, singles: bool = True) -> None:
         """Solve to single precision from now on; constraints hold to rounding all the same."""
         self._lu.shorten()
 

@@ -12,7 +12,7 @@ from lamella.solve.readable import Integers, Scaled
 SHORTENED = 300_000
 """Entries from which a factor is read faster in single precision, by a third to a half: those of the second level of a cache. To
 shorten it takes as long as two to four substitutions save."""
-SCALED = 1_500_000
+SCALED = 300_000
 """Entries from which a factor is read faster as integers of 16 bits, up to twice as fast where single precision is beyond the
 third level of a cache, or a core's share of it. To scale it takes as long as two to six substitutions save."""
 LARGEST = 32767.0

@@ -43,6 +43,11 @@ def entry_of(factor: Readable, place: int) -> float:
     return factor.shares[place] if isinstance(factor, Scaled) else factor[place]
 
 
+def first_row(factor: Readable, row: int) -> int:
+    """Where rows from ``row`` on may be read from: of integers a lane may begin with those above, which are zero."""
+    return row - row % WIDTH if isinstance(factor, Scaled) else row
+
+
 def fetch_ahead(factor: Readable, place: int) -> None:
     """Bring near as many entries from a place on as four lanes have: beyond a cache the processor does not foresee by itself that
     they will be read. In double precision it does.
@@ -77,6 +82,13 @@ def _entry_of(factor, place):  # noqa: ANN001, ANN202
     if is_array(factor):
         return lambda factor, place: number_at(factor, place)
     return lambda factor, place: number_at(factor.shares, place)
+
+
+@compiled_as(first_row)
+def _first_row(factor, row):  # noqa: ANN001, ANN202
+    if is_array(factor):
+        return lambda factor, row: row
+    return lambda factor, row: row - row % WIDTH
 
 
 @compiled_as(fetch_ahead)

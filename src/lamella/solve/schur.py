@@ -128,9 +128,9 @@ class SchurSolver(LinearSolver):
         self._solve_complement = lambda d: vectors @ (vectors.T @ d / values)
         return -1, int(np.count_nonzero(values < 0))
 
-    def shorten(self) -> None:
+    def shorten(self, singles: bool = True) -> None:
         """Solve roughly from now on; constraints hold to rounding all the same."""
-        self._factor.shorten()
+        self._factor.shorten(singles and not self.pattern.n_lam)
 
     def solve(self, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Solve. The error of y shows in J x = s alone and is corrected once."""

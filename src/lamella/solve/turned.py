@@ -128,6 +128,10 @@ class TurnedSolver(LinearSolver):
         """Take note of the independent coordinates at which the present factorisation was made."""
         self._at, self._turned = u, False
 
+    def shorten(self, singles: bool = True) -> None:
+        """Solve roughly from now on."""
+        self.linear.shorten(singles)
+
     def turn(self, u: Floats) -> None:
         """Turn the factorisation, whose place is known, to the independent coordinates ``u``, and shorten it."""
         assert self._at is not None, "made_at follows each factorisation"
