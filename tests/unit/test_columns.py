@@ -13,7 +13,7 @@ from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import Change, ExactMatrix
 from lamella.lane import WIDTH
 from lamella.roles import Floats
-from lamella.solve import front_columns, panels
+from lamella.solve import front_columns, multifrontal, panels
 from lamella.solve.linear import linear_solver
 from lamella.solve.multifrontal import SEVERAL, Multifrontal
 from lamella.solve.turned import TurnedSolver, Vectors
@@ -62,7 +62,7 @@ def test_one_reading_serves_several(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("short", ["", "single precision", "integers", "integers and single numbers"])
 def test_threads_change_no_bit_of_columns(short: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(panels, "SHORTENED", 0)
-    monkeypatch.setattr(panels, "SCALED", 0 if "integers" in short else 10**9)
+    monkeypatch.setattr(multifrontal, "LEAST_PIVOT", 0.0 if "integers" in short else np.inf)
     pattern, values, _ = pattern_of(plate_like(9, 9))
     r, found = np.random.default_rng(2).standard_normal((pattern.n, 6)), []
     for count in (1, 2):

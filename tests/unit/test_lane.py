@@ -19,13 +19,16 @@ from lamella.lane import (
     fetch_at,
     load,
     load_at,
+    load_singles,
     number_at,
     power,
     put_at,
     spread,
+    spread_singles,
     sqrt,
     store,
     store_at,
+    store_singles,
     total,
 )
 
@@ -53,6 +56,28 @@ def evaluate(a, b, out):
 @njit
 def evaluate_number(a, b):
     return expression(a, b)
+
+
+@njit
+def evaluate_singles(a, integers, factor, out):
+    x, y = load_singles(a, 1), load_singles(integers, 2)
+    result = factor * x * y - x + 2.0 * y - spread_singles(0.25)
+    store_singles(out, 3, result)
+    return total(result)
+
+
+def test_lanes_of_single_numbers():
+    """Twice as many numbers at once, of float32 and int16, with numbers that are rounded to single precision."""
+    rng = np.random.default_rng(1)
+    a, integers = rng.standard_normal(2 * WIDTH + 1).astype(np.float32), np.arange(-2, 2 * WIDTH, dtype=np.int16)
+    out, x, y = np.zeros(2 * WIDTH + 4, np.float32), a[1:], np.arange(2 * WIDTH)
+    whole = evaluate_singles(a, integers, 1.0 / 3.0, out)
+    expected = x.astype(float) * y / 3.0 - x + 2.0 * y - 0.25
+    np.testing.assert_allclose(out[3:-1], expected, rtol=0.0, atol=4.0 * np.finfo(np.float32).eps * np.abs(expected).max())
+    assert not out[:3].any()
+    assert not out[-1]
+    assert whole == pytest.approx(expected.sum(), rel=1e-6)
+    assert whole == np.float32(whole)
 
 
 def test_lane_arithmetic_equals_that_of_numbers():

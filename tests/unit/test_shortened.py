@@ -7,15 +7,18 @@ import pytest
 from test_linear import constraints, indefinite, pattern_of, plate_like
 
 import lamella as lm
+from lamella._jit import kernel
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Weights
 from lamella.bench.gradients import WORK
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.lane import WIDTH
-from lamella.roles import Floats
-from lamella.solve import panels
+from lamella.roles import Floats, Singles
+from lamella.solve import multifrontal, panels
 from lamella.solve.linear import linear_solver
 from lamella.solve.multifrontal import LEAST_PIVOT, Multifrontal
+from lamella.solve.readable import Scaled
+from lamella.solve.single_rows import products_of_singles, rows_of_singles, subtract_singles
 from lamella.solve.turned import TurnedSolver, Vectors
 
 SINGLE = 1e-5
@@ -36,7 +39,7 @@ def any_size(monkeypatch: pytest.MonkeyPatch) -> None:
 def left(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> float:
     """What a factor may leave of a solution, of any size and in each form."""
     monkeypatch.setattr(panels, "SHORTENED", 0)
-    monkeypatch.setattr(panels, "SCALED", 0 if request.param == INTEGERS else 10**9)
+    monkeypatch.setattr(multifrontal, "LEAST_PIVOT", LEAST_PIVOT if request.param == INTEGERS else np.inf)
     return request.param
 
 
@@ -76,6 +79,31 @@ def test_panels_are_shortened_in_their_own_place(size: int) -> None:
     short.renew()
     assert short.read is short.written
     assert len(short.read) >= size + WIDTH  # a substitution loads a lane behind the last entry
+
+
+@kernel
+def singles_of(factor: Scaled, at: int, a_len: int, y: Singles) -> tuple[int, float, float, float, float]:
+    """Rows that are read in lanes of single numbers; y less four columns; products of these with it."""
+    n = rows_of_singles(y, a_len)
+    subtract_singles(factor, at, a_len, a_len - n, 0.5, -1.0, 2.0, 0.25, y)
+    return n, *products_of_singles(factor, at, a_len, a_len - n, y)
+
+
+@pytest.mark.parametrize("lanes", [2, 3, 6, 7])
+def test_rows_of_single_numbers_are_those_of_numbers(lanes: int) -> None:
+    """Compiled, and as they stand, for rows that do and do not fill lanes twice as long."""
+    rng, a_len, at = np.random.default_rng(2), lanes * WIDTH, 5
+    shares = rng.integers(-32767, 32767, 20 * a_len).astype(np.int16)
+    factor = Scaled(shares, np.zeros(0), np.zeros(0), np.zeros(0))
+    compiled = rng.standard_normal(a_len).astype(np.float32)
+    stood = compiled.copy()
+    n, *found = singles_of(factor, at, a_len, compiled)
+    m, *expected = singles_of.py_func(factor, at, a_len, stood)
+    assert n == m == lanes // 2 * 2 * WIDTH
+    np.testing.assert_allclose(compiled, stood, atol=1e-6 * np.abs(stood).max())
+    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+    np.testing.assert_array_equal(compiled[: a_len - n], stood[: a_len - n])
+    assert rows_of_singles(np.zeros(a_len), a_len) == 0  # of double numbers
 
 
 def test_small_factors_stay_as_they_are() -> None:
@@ -145,7 +173,6 @@ def test_a_motion_takes_as_many_iterations_and_ends_at_the_same_place(monkeypatc
     monkeypatch.setattr(Multifrontal, "shorten", counted)
     for entries in (0, 10**9):
         monkeypatch.setattr(panels, "SHORTENED", entries)
-        monkeypatch.setattr(panels, "SCALED", max(entries, panels.SCALED))
         result = lm.simulate(model, 0.05, method)
         done.append((result.final.q, result.statistics, shortened[0]))
     (short, counts, times), (exact, expected, after) = done
@@ -176,8 +203,7 @@ def test_derivatives_are_as_right_as_they_are_asked_for(work) -> None:
 @pytest.mark.parametrize("least", [0.5, 1.5])
 def test_small_pivots_forbid_integers(least: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two coordinates apart from the others, coupled by c with a diagonal of 1, have the pivots 1 and 1 - c^2."""
-    for name in ("SHORTENED", "SCALED"):
-        monkeypatch.setattr(panels, name, 0)
+    monkeypatch.setattr(panels, "SHORTENED", 0)
     k = plate_like(4, 4)
     c = 1.0 - 0.5 * least * LEAST_PIVOT
     a, b = len(k) - 2, len(k) - 1
@@ -196,8 +222,7 @@ def test_small_pivots_forbid_integers(least: float, monkeypatch: pytest.MonkeyPa
 
 def test_units_of_coordinates_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """Integers are shares of columns of a matrix with a diagonal of 1, whatever the units of its rows."""
-    for name in ("SHORTENED", "SCALED"):
-        monkeypatch.setattr(panels, name, 0)
+    monkeypatch.setattr(panels, "SHORTENED", 0)
     k, found = plate_like(5, 5), []
     for powers in (np.zeros(len(k)), np.arange(len(k)) % 7 - 3):
         units = 4.0**powers

@@ -101,7 +101,7 @@ class Multifrontal(SymmetricFactor):
     def shorten(self, singles: bool = True) -> None:
         """Read the factor in single precision, or as integers, from now on, where that is faster."""
         self._singles = singles
-        if self._panels.fresh and self.size >= panels.SCALED:
+        if self._panels.fresh and self.size >= panels.SHORTENED:
             self._scaled = self._in_integers()
         self._panels.shorten()
 

@@ -10,11 +10,8 @@ from lamella.roles import Floats, Ints, Singles
 from lamella.solve.readable import Integers, Scaled
 
 SHORTENED = 300_000
-"""Entries from which a factor is read faster in single precision, by a third to a half: those of the second level of a cache. To
-shorten it takes as long as two to four substitutions save."""
-SCALED = 300_000
-"""Entries from which a factor is read faster as integers of 16 bits, up to twice as fast where single precision is beyond the
-third level of a cache, or a core's share of it. To scale it takes as long as two to six substitutions save."""
+"""Entries from which a factor is read faster in single precision, by a third to a half, and as integers of 16 bits by more: those
+of the second level of a cache. To shorten it takes as long as two to four substitutions save, to scale it as three to six."""
 LARGEST = 32767.0
 """Integer that stands for the largest entry of a column."""
 TO_INTEGER = 1.5 * 2.0**52
