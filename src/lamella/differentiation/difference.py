@@ -79,7 +79,8 @@ class PartDifference:
         self._forces = _Parts(base, base.forces, sides, [there.forces for there in equations])
         self._loads = _Parts(base, base.loads, sides, [there.loads for there in equations])
         held = sum(side.weight * (side.equations.held - base.held) for side in sides)
-        self._held = np.zeros(base.model.n_q) + held
+        self._held, self._still = np.zeros((2, base.model.n_q))
+        self._held += held
         self.moves = bool(self._held.any())
         alone = base.n_u == base.n_motion and not base.n_lam
         self.follows = alone and self._forces.follows and self._loads.follows
@@ -96,7 +97,8 @@ class PartDifference:
         Only where coordinates may follow. It takes less time than the product of the tangent with ``du``, which is in it.
         """
         base = self._base
-        dq, dv = base.expand.onto(du, self._held.copy()), None
+        dq = base.expand.onto(du, self._held.copy()) if self.moves else base.expand(du)
+        dv = None
         if base.depends_on_velocity:
             dv = base.expand(_moved(dud, weights.alpha_v, du))
         return self._difference(point, dq, dv, _moved(dudd, weights.alpha_a, du))
@@ -105,7 +107,7 @@ class PartDifference:
         base, r = self._base, np.zeros(len(point.u))
         q, v = base.coordinates(point), base.force_velocities(point)
         if dq is not None and dv is None:
-            dv = np.zeros_like(v)
+            dv = self._still
         self._loads.add(point.t, q, v, dq, dv, r)
         if point.factor != 1.0:
             r *= point.factor
