@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from lamella._jit import kernel
-from lamella.differentiation.directions import LEAST, Directions, share_of
+from lamella.differentiation.directions import LEAST, Directions, add_direction, set_direction, share_of
 from lamella.lane import number_at, put_at
 from lamella.lane_rows import add_row, dot, set_row
 from lamella.roles import Floats
@@ -101,13 +101,9 @@ def _advance(
     """Direction number k, of energy 1 and none with those before; its share, which is taken into z, 0 where it has no energy."""
     n = len(left)
     at = k * n
-    set_row(directions, at, 1.0, left, 0, n)
-    for i in range(len(rest)):
-        put_at(forces, at + i, -number_at(rest, i))
+    set_direction(left, rest, at, directions, forces)
     for before in range(0, at, n):
-        share = dot(forces, before, directions, at, n)
-        add_row(directions, at, -share, directions, before, n)
-        add_row(forces, at, -share, forces, before, n)
+        add_direction(directions, forces, at, -dot(forces, before, directions, at, n), before, n)
     energy = dot(directions, at, forces, at, n)
     if not energy > 0.0:
         return 0.0

@@ -94,7 +94,7 @@ class PartDifference:
     def along(self, point: Point, dud: Floats, dudd: Floats, du: Floats, weights: Weights) -> tuple[Floats, Floats]:
         """The same of unknowns that follow the parameter by ``du``, with velocities and accelerations that belong to it.
 
-        Only where coordinates may follow. It takes less time than the product of the tangent with ``du``, which is in it.
+        Only where coordinates may follow. The product of the tangent with ``du`` is in it, for little more time.
         """
         base = self._base
         dq = base.expand.onto(du, self._held.copy()) if self.moves else base.expand(du)

@@ -8,8 +8,8 @@ from math import sqrt
 import numpy as np
 
 from lamella._jit import inner
-from lamella.lane import WIDTH
-from lamella.lane_rows import weighed_dot
+from lamella.lane import WIDTH, number_at, put_at
+from lamella.lane_rows import add_row, set_row, weighed_dot
 from lamella.roles import Floats
 
 LEAST = 1e-12
@@ -74,6 +74,21 @@ class Directions(ABC):
     def solution(self) -> Floats:
         """z with what is left, as if A were B, shape (n + n_lam,)."""
         return self._solution + self.left
+
+
+@inner
+def set_direction(left: Floats, rest: Floats, at: int, directions: Floats, images: Floats) -> None:
+    """The direction ``left`` with its image -``rest``, at a place of the rows of both."""
+    set_row(directions, at, 1.0, left, 0, len(left))
+    for i in range(len(rest)):
+        put_at(images, at + i, -number_at(rest, i))
+
+
+@inner
+def add_direction(directions: Floats, images: Floats, at: int, factor: float, other: int, n: int) -> None:
+    """Add another direction to one, and its image to that of the one."""
+    add_row(directions, at, factor, directions, other, n)
+    add_row(images, at, factor, images, other, n)
 
 
 @inner

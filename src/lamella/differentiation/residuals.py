@@ -7,8 +7,7 @@ from math import sqrt
 import numpy as np
 
 from lamella._jit import inner, kernel
-from lamella.differentiation.directions import Directions, share_of
-from lamella.lane import number_at, put_at
+from lamella.differentiation.directions import Directions, add_direction, set_direction, share_of
 from lamella.lane_rows import add_row, set_row, weighed_dot
 from lamella.roles import Floats
 
@@ -49,13 +48,9 @@ def _improve(lacking: Floats, k: int, z: Floats, left: Floats, directions: Float
     """Direction number k is made conjugate to those before, its image of length 1; what is left then, as a share of z."""
     n = len(left)
     at = k * n
-    set_row(directions, at, 1.0, left, 0, n)
-    for i in range(len(lacking)):
-        put_at(images, at + i, -number_at(lacking, i))
+    set_direction(left, lacking, at, directions, images)
     for before in range(0, at, n):
-        share = weighed_dot(images, before, images, at, weights)
-        add_row(directions, at, -share, directions, before, n)
-        add_row(images, at, -share, images, before, n)
+        add_direction(directions, images, at, -weighed_dot(images, before, images, at, weights), before, n)
     size = weighed_dot(images, at, images, at, weights)
     if not size > 0.0:
         return np.nan
