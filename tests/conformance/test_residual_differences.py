@@ -68,6 +68,19 @@ def moved(base):
 MORE = {"plain": {}, "damped": {"damping": 2e-3}, "shaken": {"damping": 2e-3, "shaken": 1e-3}, "warm": {"alpha": 2.3e-5}}
 
 
+@pytest.mark.parametrize(("name", "how", "share"), [("rho", "plain", 1 / 2700.0), ("thickness", "damped", 1 / 4e-3)])
+def test_masses_that_differ_by_a_share_take_no_product_of_their_own(name, how, share):
+    """Of a plate without rotary inertia; a length changes the masses of positions and slopes differently."""
+    base, beside = neighbours(name, **MORE[how])
+    point, dud, dudd = moved(base)
+    r, _, accelerations = beside.parts.apart(point, dud, dudd)
+    np.testing.assert_allclose(accelerations, dudd + share * point.udd, rtol=1e-7)
+    expected = beside.residual(point, dud, dudd)[0]
+    np.testing.assert_allclose(r + base.inertia_force(accelerations), expected, atol=1e-12 * np.abs(expected).max())
+    _, of_length = neighbours("length", **MORE[how])
+    np.testing.assert_array_equal(of_length.parts.apart(point, dud, dudd)[2], dudd)
+
+
 HELD = ("width", "warm")
 """The clamp stands where the width says, and the tangent between shape and temperature does not tell what follows from that."""
 
@@ -212,12 +225,12 @@ def along(change, dq, dv):
 def test_unknowns_follow_the_parameter(name, how, follows):
     """As the product of the exact tangent tells, where all forces that depend on them may."""
     base, beside = neighbours(name, **MORE[how])
-    assert (beside.following is not None) == follows
-    if beside.following is None:
+    assert (beside.parts is not None and beside.parts.follows) == follows
+    if beside.parts is None or not follows:
         return
     point, dud, dudd = moved(base)
     du, weights = 0.1 * np.cos(2.0 * np.arange(base.n_u)) * base.magnitude, Weights(1.0, 30.0, 900.0, 30.0)
     product = ExactMatrix(base).product(point, weights)(du)
     expected = beside.residual(point, dud, dudd)[0] + product
-    found = beside.following.along(point, dud, dudd, du, weights)[0]
+    found = beside.parts.along(point, dud, dudd, du, weights)[0]
     np.testing.assert_allclose(found, expected, atol=1e-12 * max(np.abs(expected).max(), np.abs(product).max()))

@@ -214,7 +214,7 @@ class Equations:
         q = self.coordinates(point)
         return self.matrix.values(self.forces, self.loads, point, q, self.force_velocities(point), weights, q)
 
-    @property
+    @cached_property
     def is_exact(self) -> bool:
         """Whether :meth:`exact_matrix` is the exact matrix; else it is a symmetric one near it."""
         return not self.symmetric or all(block.symmetry == "symmetric" for block in (*self.model.forces, *self.model.loads))

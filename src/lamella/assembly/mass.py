@@ -10,6 +10,7 @@ from scipy import sparse
 from lamella.assembly.operator import VectorOperator
 from lamella.inertia import whole_mass
 from lamella.model import Model
+from lamella.roles import Floats
 
 
 class Mass:
@@ -42,6 +43,12 @@ class Mass:
         if self._same:
             return self._same.in_independent
         return in_independent(self._model.vector_mass, self._T)
+
+    @cached_property
+    def diagonal(self) -> Floats:
+        """That of T^T M T, shape (n_u,)."""
+        T = self._T
+        return (T.T @ whole_mass(self._model.vector_mass, len(T.indptr) - 1) @ T).diagonal()
 
 
 def in_independent(m: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:

@@ -10,7 +10,7 @@ import numpy as np
 from lamella._jit import kernel
 from lamella.differentiation.directions import LEAST, Directions, add_direction, set_direction, share_of
 from lamella.lane import number_at, put_at
-from lamella.lane_rows import add_row, dot, set_row
+from lamella.lane_rows import add_row, dot
 from lamella.roles import Floats
 
 AT_BEST = 0.02
@@ -21,13 +21,13 @@ is known of these tells it to single precision where B^-1 computes with that."""
 
 
 class ConjugateGradients(Directions):
-    """Solves A z = b for several b, with directions p of energy p . A p = 1 and of none with each other; for symmetric A and B
+    """Solves A z = b for several b, with directions p of energy p . A p and of none with each other; for symmetric A and B
     without multipliers.
 
     What is left is substituted anew after each direction, so that B^-1 need not be linear to more than that. Of a plate, whose
     membrane is stiffer than its bending by orders of magnitude, they need half as many directions for the same forces as
     :class:`~lamella.differentiation.residuals.ConjugateResiduals`. How much a solution lacks is told as the square root of the
-    energy of what is left, beside that of b - A z for the guess.
+    energy of what is left, beside that of the solution, or of what was left at first if that is more.
 
     Args:
         per_magnitude, most: as for :class:`Directions`.
@@ -43,16 +43,18 @@ class ConjugateGradients(Directions):
         self._force = np.zeros(self._padded)
         self.force = self._force[: len(per_magnitude)]
         self._directions, self._forces, self._images = np.zeros((3, most * self._padded))
-        self._vectors = self._z, self._left, self._force, self._directions, self._forces, self._images
+        self._energies = np.zeros(most)
+        self._vectors = self._z, self._left, self._force, self._directions, self._forces, self._images, self._energies
         self._whole, self._last = 0.0, 0.0
 
-    def begin(self, z: Floats | None, left: Floats, force: Floats) -> float:
-        """As the role says."""
+    def begin(self, z: Floats | None, left: Floats, force: Floats, energy: float = 0.0) -> float:
+        """As the role says; ``energy`` is that of the solution, as far as it is known."""
         self._start(z, left)
         self.force[:] = force
-        self._whole, of_magnitudes, energy = _begin(self.known, *self._vectors, self._weights)
+        at_first, of_magnitudes, of_left = _begin(self.known, *self._vectors, self._weights)
+        self._whole = max(at_first, energy)
         self._last = 0.0
-        return self._lacking(of_magnitudes, energy)
+        return self._lacking(of_magnitudes, of_left)
 
     def renew(self, left: Floats) -> float:
         """Take what a substitution has found of ``force`` for what is left; how much the solution lacks."""
@@ -80,13 +82,15 @@ class ConjugateGradients(Directions):
 
 @kernel
 def _begin(
-    known: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats, images: Floats, weights: Floats
-) -> tuple[float, float, float]:
+    known: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats, images: Floats, energies: Floats,
+    weights: Floats,
+) -> tuple[float, float, float]:  # fmt: skip
     """Take what is known into z; the energy of what was left before, and the shares of what is left now."""
     n = len(left)
     whole = dot(left, 0, force, 0, n)
-    for at in range(0, known * n, n):
-        share = dot(directions, at, force, 0, n)
+    for k in range(known):
+        at = k * n
+        share = dot(directions, at, force, 0, n) / energies[k]
         add_row(z, 0, share, directions, at, n)
         add_row(force, 0, -share, forces, at, n)
         add_row(left, 0, -share, images, at, n)
@@ -96,21 +100,19 @@ def _begin(
 
 @kernel
 def _advance(
-    rest: Floats, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats, images: Floats
-) -> float:
-    """Direction number k, of energy 1 and none with those before; its share, which is taken into z, 0 where it has no energy."""
+    rest: Floats, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats, images: Floats,
+    energies: Floats,
+) -> float:  # fmt: skip
+    """Direction number k, of no energy with those before; its share, which is taken into z, 0 where it has no energy."""
     n = len(left)
     at = k * n
     set_direction(left, rest, at, directions, forces)
-    for before in range(0, at, n):
-        add_direction(directions, forces, at, -dot(forces, before, directions, at, n), before, n)
-    energy = dot(directions, at, forces, at, n)
-    if not energy > 0.0:
+    for i in range(k):
+        add_direction(directions, forces, at, -dot(forces, i * n, directions, at, n) / energies[i], i * n, n)
+    energies[k] = dot(directions, at, forces, at, n)
+    if not energies[k] > 0.0:
         return 0.0
-    factor = 1.0 / sqrt(energy)
-    set_row(directions, at, factor, directions, at, n)
-    set_row(forces, at, factor, forces, at, n)
-    share = dot(directions, at, force, 0, n)
+    share = dot(directions, at, force, 0, n) / energies[k]
     add_row(z, 0, share, directions, at, n)
     add_row(force, 0, -share, forces, at, n)
     return share
@@ -119,7 +121,7 @@ def _advance(
 @kernel
 def _left_anew(
     new: Floats, share: float, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats,
-    images: Floats, weights: Floats,
+    images: Floats, energies: Floats, weights: Floats,
 ) -> tuple[float, float]:  # fmt: skip
     """What a substitution has found of what is left now; the image of direction number k follows; the shares of what is left."""
     at, per_share = k * len(left), 1.0 / share

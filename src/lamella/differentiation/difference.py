@@ -20,6 +20,9 @@ from lamella.differentiation.alike import alike
 from lamella.inertia import differenced
 from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock, ForceChange
 
+LOST = 1e-8
+"""What a difference of masses may lose, as a share of the masses on the diagonal."""
+
 
 @dataclass(frozen=True)
 class Side:
@@ -52,8 +55,8 @@ class WholeDifference:
         for side in self._sides:
             there, equations = point, side.equations
             if dud is not None and dudd is not None:
-                ud = _moved(point.ud, side.distance, dud) if equations.depends_on_velocity else point.ud
-                there = Point(point.t, point.u, ud, _moved(point.udd, side.distance, dudd), point.lam, point.factor)
+                ud = moved(point.ud, side.distance, dud) if equations.depends_on_velocity else point.ud
+                there = Point(point.t, point.u, ud, moved(point.udd, side.distance, dudd), point.lam, point.factor)
             of_forces, of_constraints = equations.residual(there)
             _add(side.weight, of_forces, r)
             if len(phi):
@@ -87,9 +90,13 @@ class PartDifference:
 
     def __call__(self, point: Point, dud: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
         """The derivatives, as :class:`WholeDifference` gives them."""
+        return self._with_inertia(*self.apart(point, dud, dudd))
+
+    def apart(self, point: Point, dud: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats, Floats | None]:
+        """The same without M a, and a: M a belongs to the first; None where there is none."""
         base = self._base
         dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
-        return self._difference(point, self._held if self.moves else None, dv, dudd)
+        return self._apart(point, self._held if self.moves else None, dv, dudd)
 
     def along(self, point: Point, dud: Floats, dudd: Floats, du: Floats, weights: Weights) -> tuple[Floats, Floats]:
         """The same of unknowns that follow the parameter by ``du``, with velocities and accelerations that belong to it.
@@ -100,10 +107,12 @@ class PartDifference:
         dq = base.expand.onto(du, self._held.copy()) if self.moves else base.expand(du)
         dv = None
         if base.depends_on_velocity:
-            dv = base.expand(_moved(dud, weights.alpha_v, du))
-        return self._difference(point, dq, dv, _moved(dudd, weights.alpha_a, du))
+            dv = base.expand(moved(dud, weights.alpha_v, du))
+        return self._with_inertia(*self._apart(point, dq, dv, moved(dudd, weights.alpha_a, du)))
 
-    def _difference(self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
+    def _apart(
+        self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None
+    ) -> tuple[Floats, Floats, Floats | None]:
         base, r = self._base, np.zeros(len(point.u))
         q, v = base.coordinates(point), base.force_velocities(point)
         if dq is not None and dv is None:
@@ -112,20 +121,37 @@ class PartDifference:
         if point.factor != 1.0:
             r *= point.factor
         self._forces.add(point.t, q, v, dq, dv, r)
-        if dudd is not None:
-            base.inertia_force(dudd, onto=r)
-        if not point.at_rest and self._mass is not None:
-            self._mass.add_force(point, r)
-        return r, np.zeros(len(point.lam))
+        if not point.at_rest:
+            mass = self._mass
+            if isinstance(mass, _MassDifference):
+                mass.add_force(point, r)
+            elif mass is not None:
+                dudd = mass * point.udd if dudd is None else moved(dudd, mass, point.udd)
+        return r, np.zeros(len(point.lam)), dudd
+
+    def _with_inertia(self, r: Floats, phi: Floats, dudd: Floats | None) -> tuple[Floats, Floats]:
+        return r if dudd is None else self._base.inertia_force(dudd, onto=r), phi
 
     @cached_property
-    def _mass(self) -> _MassDifference | None:
-        """The difference of the masses, if there is one; nothing at rest needs it, and it takes a good part of the time there."""
+    def _mass(self) -> _MassDifference | float | None:
+        """The difference of the masses, or which share of the mass it is, if there is one; nothing at rest needs it, and it takes
+        a good part of the time there.
+        """
         first, *others = inertias = [side.equations.model.inertias for side in self._sides]
         if all(alike(first, other) for other in others):
             return None
         m = differenced(inertias, [side.weight for side in self._sides], self._base.model.n_motion // 3)
-        return _MassDifference(self._base, m) if m.data.any() else None
+        if not m.data.any():
+            return None
+        share = None if self._base.elimination.moves else proportion(m, self._base.model.vector_mass)
+        return _MassDifference(self._base, m) if share is None else share
+
+
+def proportion(part: sparse.csr_array, whole: sparse.csr_array) -> float | None:
+    """c, if the mass ``part`` is c ``whole`` up to what a difference loses, as that of a plate by its thickness or density."""
+    share = float((part * whole).sum() / (whole * whole).sum())
+    beside, size = (part - share * whole).tocoo(), np.sqrt(abs(share) * whole.diagonal())
+    return share if np.all(abs(beside.data) <= LOST * size[beside.row] * size[beside.col]) else None
 
 
 class _MassDifference:
@@ -221,7 +247,7 @@ class _Weighed:
         if not self._sum.parts:
             return
         for distance, parts in self._of_sides:
-            there = v if dv is None else _moved(v, distance, dv)
+            there = v if dv is None else moved(v, distance, dv)
             for block, part in parts:
                 block.force(t, q, there, part)
         self._sum.onto(r)
@@ -250,12 +276,12 @@ def remembers(block: ForceBlock | ConstraintBlock) -> bool:
 
 
 @njit
-def _moved(x: Floats, distance: float, along: Floats) -> Floats:
+def moved(x: Floats, distance: float, along: Floats) -> Floats:
     """x + distance along."""
-    moved = np.empty_like(x)
+    there = np.empty_like(x)
     for i in range(len(x)):
-        moved[i] = x[i] + distance * along[i]
-    return moved
+        there[i] = x[i] + distance * along[i]
+    return there
 
 
 @kernel

@@ -42,12 +42,16 @@ class Change(NamedTuple):
         r, s: of the residual and of the constraints.
         guess: what the change of the unknowns may be near to, if known.
         along: whether r and s are those of unknowns that have changed by the guess already, so that A (x - guess) = -(r, s).
+        accelerations: change of these that belongs to the guess, where r lacks their inertia.
+        energy: x . A x, as far as it is known.
     """
 
     r: Floats
     s: Floats
     guess: Floats | None = None
     along: bool = False
+    accelerations: Floats | None = None
+    energy: float = 0.0
 
     def completed(self, x: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """The change of unknowns and multipliers, where x and lam solve A (x, lam) = -(r, s)."""
@@ -59,6 +63,9 @@ class Remainder(NamedTuple):
 
     force: Floats
     left: Floats
+
+
+Residual = Callable[[Floats, Floats, Floats, Floats | None], tuple[Floats, Floats]]
 
 
 class ExactMatrix:
@@ -92,7 +99,7 @@ class ExactMatrix:
         self.linear = linear or linear_solver(equations.matrix.pattern)
         self.renewed: Floats | None = None
         self._unsymmetric: ExactMatrix | None = None
-        self._residual: Callable[[Floats, Floats, Floats], tuple[Floats, Floats]] | None = None
+        self._residual: Residual | None = None
         self._renewal, self._spent = Renewal(_products_for(self.linear)), 0
         self._nothing = np.zeros(equations.n_u), np.zeros(equations.n_lam)
         self._by_residuals = ConjugateResiduals(1.0 / equations.magnitude, equations.n_lam, MOST)
@@ -119,6 +126,11 @@ class ExactMatrix:
         if self._unsymmetric is not None:
             self._unsymmetric.factorise(point, weights)
 
+    @property
+    def direct(self) -> bool:
+        """Whether A itself is factorised, so that a guess is of no use."""
+        return self._unsymmetric is not None or (self.equations.is_exact and self.renewed is not None)
+
     def follow(self, point: Point, weights: Weights, iterations: int) -> None:
         """Go to a point with the factorisation that the solver holds of one before, or with a new one where that pays.
 
@@ -129,7 +141,7 @@ class ExactMatrix:
             iterations: by which the point was reached with the factorisation at hand; they count as products.
         """
         pays = self._renewal.pays(self._spent + iterations, new=self.renewed is not None)
-        if self._outlasts and not pays:
+        if self._outlasts and self._unsymmetric is None and not pays:
             self._begin(point, weights)
         else:
             self.factorise(point, weights)
@@ -158,10 +170,10 @@ class ExactMatrix:
 
     def _solve(self, change: Change) -> tuple[Floats, Floats]:
         self._remainder = None
-        if self._unsymmetric is not None:
-            return change.completed(*self._unsymmetric.solve(change.r, change.s))
-        if self.equations.is_exact and self.renewed is not None:
-            return change.completed(*self.linear.solve(-change.r, -change.s))
+        if self.direct:
+            r = self._with_inertia(change)
+            found = self._unsymmetric.solve(r, change.s) if self._unsymmetric else self.linear.solve(-r, -change.s)
+            return change.completed(*found)
         self._shorten()
         rest = self._beside(change)
         return self._improved(change, self.linear.solve(*rest), rest[0])
@@ -173,9 +185,9 @@ class ExactMatrix:
 
     def solve_each(self, changes: Sequence[Change]) -> list[tuple[Floats, Floats]]:
         """The same for several changes, whose first substitutions go together."""
-        if self._unsymmetric is None and self.equations.is_exact and self.renewed is not None:
+        if self.direct and self._unsymmetric is None:
             self.remainders = [None] * len(changes)
-            found = self.linear.solve_each([(-change.r, -change.s) for change in changes])
+            found = self.linear.solve_each([(-self._with_inertia(change), -change.s) for change in changes])
             return [change.completed(*each) for change, each in zip(changes, found, strict=True)]
         self.remainders = []
         if self._unsymmetric is not None or not self.equations.multiplies or len(changes) == 1:
@@ -193,7 +205,13 @@ class ExactMatrix:
         """What is left beside the guess of a change, or beside nothing."""
         if change.guess is None or change.along:
             return -change.r, -change.s
-        return self._rest(change.r, change.s, _joined(change.guess, self._nothing[1]))
+        return self._rest(change.r, change.s, _joined(change.guess, self._nothing[1]), change.accelerations)
+
+    def _with_inertia(self, change: Change) -> Floats:
+        """r of a change, with the inertia that it lacks, but for that of the guess."""
+        if change.accelerations is None or change.guess is None:
+            return change.r
+        return change.r + self.equations.inertia_force(change.accelerations - self._at[1].alpha_a * change.guess)
 
     def _noted(self, solution: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         self.remainders.append(self._remainder)
@@ -205,8 +223,10 @@ class ExactMatrix:
         z, left = None if change.guess is None else _joined(change.guess, self._nothing[1]), _joined(*found)
         if z is not None and not self.equations.multiplies:
             left = left - z
-        known = by_energy or self._by_residuals
-        lacking = known.begin(z, left, force)
+        if by_energy:
+            known, lacking = by_energy, by_energy.begin(z, left, force, change.energy)
+        else:
+            known, lacking = self._by_residuals, self._by_residuals.begin(z, left, force)
         if by_energy and by_energy.known and enough < FINE:
             lacking = by_energy.renew(self._substituted(by_energy.force))
         while not lacking <= enough and learnt < MOST and not isnan(lacking):
@@ -242,18 +262,20 @@ class ExactMatrix:
     def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
         """The product of the exact matrix at a point with changes of the unknowns, to be used before the next is asked for."""
         times, none = self._negative_product(point, weights), self._nothing[0]
-        return lambda x: -times(none, x)
+        return lambda x: -times(none, x, None)
 
-    def _negative_product(self, point: Point, weights: Weights) -> Callable[[Floats, Floats], Floats]:
-        """-(r + A x) for r and x."""
+    def _negative_product(self, point: Point, weights: Weights) -> Callable[[Floats, Floats, Floats | None], Floats]:
+        """-(r + A x) for r and x, with accelerations that are not those of x alone if they are given."""
         of, tangents, alpha_a = self.equations, self._tangents, weights.alpha_a
         tangents.look(point, of.coordinates(point), of.force_velocities(point), weights)
         still, mass = self._nothing[0], of.mass.in_independent if alpha_a else None
         if mass is not None and not tangents.lists:
-            return lambda r, x: tangents.negative_sum(r, of.expand(x), alpha_a, mass, x)
+            return lambda r, x, a: tangents.negative_sum(r, of.expand(x), *((alpha_a, mass, x) if a is None else (1.0, mass, a)))
 
-        def times(r: Floats, x: Floats) -> Floats:
+        def times(r: Floats, x: Floats, a: Floats | None) -> Floats:
             forces = tangents.reduced(of.expand(x), of.gather)
+            if a is not None:
+                return _negative_sum(r, forces, 1.0, of.inertia_force(a))
             return _negative_sum(r, forces, alpha_a, of.inertia_force(x) if alpha_a else still)
 
         return times
@@ -271,23 +293,23 @@ class ExactMatrix:
         """B^-1 ``force``, without multipliers."""
         return self.linear.solve(force, self._nothing[1])[0]
 
-    def _rest(self, r: Floats, s: Floats, z: Floats) -> tuple[Floats, Floats]:
+    def _rest(self, r: Floats, s: Floats, z: Floats, accelerations: Floats | None = None) -> tuple[Floats, Floats]:
         """-((r, s) + A z), or -((r, s) + (A - B) z) where the matrix at hand is the symmetric part of A."""
         if self._residual is None:
             self._residual = self._by_products() if self.equations.multiplies else self._by_skew_part()
         self._spent += 1
-        return self._residual(r, s, z)
+        return self._residual(r, s, z, accelerations)
 
-    def _by_products(self) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]:
+    def _by_products(self) -> Residual:
         n, negative = self.equations.n_u, self._negative_product(*self._at)
         if not self.equations.n_lam:
-            return lambda r, s, z: (negative(r, z), s)
+            return lambda r, s, z, a: (negative(r, z, a), s)
         J = self.equations.jacobian(self._at[0])
-        return lambda r, s, z: (negative(r + J.T @ z[n:], z[:n]), -(s + J @ z[:n]))
+        return lambda r, s, z, a: (negative(r + J.T @ z[n:], z[:n], a), -(s + J @ z[:n]))
 
-    def _by_skew_part(self) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]:
+    def _by_skew_part(self) -> Residual:
         n, skew = self.equations.n_u, self.equations.skew_part()
-        return lambda r, s, z: (-(r + skew(z[:n])), -s)
+        return lambda r, s, z, _: (-(r + skew(z[:n])), -s)
 
 
 def exact(equations: Equations) -> Equations:

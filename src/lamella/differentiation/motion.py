@@ -7,12 +7,14 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from lamella._jit import njit
+from lamella._jit import kernel, njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
+from lamella.differentiation.difference import moved
 from lamella.differentiation.exact_matrix import Change, ExactMatrix, Remainder
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.prediction import Prediction
@@ -37,9 +39,17 @@ from lamella.state import State
 SHARE = 0.1
 """Of the tolerance of Newton's method, which the derivative of a damped motion may lack. With all of it forces across the stiff
 direction, which nearly vanish, lose up to a hundred times what Newton's own error takes from them."""
-OF_ENERGY = 3.0
+OF_ENERGY = 4.0
 """The same of a motion without damping, for the square root of the energy: that error takes as much from it and more
 (docs/decisions/0022-gradients.md)."""
+
+
+class Guess(NamedTuple):
+    """What a derivative may be near to, if anything is known, and its energy as far as it is known."""
+
+    du: Floats | None
+    energy: float = 0.0
+
 
 Sample = Callable[[Point, Sequence[PointDerivative]], None]
 """Takes each point of a run with its derivatives."""
@@ -146,6 +156,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         self._done = statistics.newton_iterations, statistics.factorisations
         self._owed: list[Remainder | None] = []
         self._owed_for: Weights | None = None
+        self._none = np.zeros(equations.n_u)
 
     def restart(self, point: Point) -> None:
         """As the method does; at the start of a run the derivatives are those of the initial state."""
@@ -203,17 +214,10 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
                 value, rate = rule.predicted(dt, old.u[n:], old.ud[n:])
                 ud0[n:], udd0[n:] = rate - weights.rate * value, 0.0
             rates.append((base, ud0, udd0))
-        guesses, owed = self._guesses([base for base, *_ in rates], point), self._paid(weights)
-        changes = []
-        for each, (_, ud0, udd0), guess, lacking in zip(self.neighbours, rates, guesses, owed, strict=True):
-            following = None if guess is None else each.following
-            if guess is None or following is None:
-                dr, ds = each.residual(point, ud0, udd0)
-            else:
-                dr, ds = following.along(point, ud0, udd0, guess, weights)
-            if lacking is not None:
-                dr -= lacking.force
-            changes.append(Change(dr, ds, guess, following is not None))
+        owed = self._paid(weights)
+        guesses = self._guesses([base for base, *_ in rates], owed, point, weights)
+        parts = zip(self.neighbours, rates, guesses, owed, strict=True)
+        changes = [self._change(*each, point, weights) for each in parts]
         for k, ((du, dlam), (base, ud, udd)) in enumerate(zip(self.matrix.solve_each(changes), rates, strict=True)):
             if (lacking := owed[k]) is not None:
                 du = du - lacking.left
@@ -239,27 +243,59 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         owed, paid = self._owed, self._owed_for == weights
         return owed if owed and paid else [None] * len(self.neighbours)
 
-    def _guesses(self, bases: Sequence[Floats], point: Point) -> list[Floats | None]:
-        """What derivatives may be near to: what is predicted, or else that of the start by a parameter that moves places. Chooses
-        how they are measured, and how much they may lack.
+    def _change(
+        self,
+        neighbours: Neighbours,
+        rates: tuple[Floats, Floats, Floats],
+        guess: Guess,
+        owed: Remainder | None,
+        point: Point,
+        weights: Weights,
+    ) -> Change:
+        """What a parameter changes, along the guess where that costs less than a product of its own."""
+        (_, ud, udd), parts, (du, energy) = rates, neighbours.parts, guess
+        if du is None or parts is None or not (parts.follows or self.equations.multiplies):
+            found = Change(*neighbours.residual(point, ud, udd), du, energy=energy)
+        elif parts.follows:
+            found = Change(*parts.along(point, ud, udd, du, weights), du, along=True, energy=energy)
+        else:
+            r, s, a = parts.apart(point, ud, udd)
+            found = Change(r, s, du, False, moved(udd if a is None else a, weights.alpha_a, du), energy)
+        if owed is not None:
+            np.subtract(found.r, owed.force, out=found.r)
+        return found
 
-        By energy the derivative by a parameter that moves places is all stretch of the membrane: it is measured beside that.
+    def _guesses(self, bases: Sequence[Floats], owed: Sequence[Remainder | None], point: Point, weights: Weights) -> list[Guess]:
+        """What derivatives may be near to. Chooses how they are measured, and how much they may lack.
+
+        Where motion is damped they are predicted. Where it is not, the estimate is near in energy. By energy the derivative by a
+        parameter that moves places is all stretch of the membrane: it is measured beside that of the start.
 
         Args:
             bases: the estimates by constant acceleration.
-            point: the end of the step.
+            owed: what the last step lacks.
+            point, weights: of the end of the step.
         """
         matrix, unsteady = self.matrix, all(prediction.unsteady for prediction in self._predictions)
         matrix.enough = (1.0 if unsteady else SHARE) * self._tolerance
+        if matrix.direct:
+            return [Guess(None)] * len(bases)
         guesses = [prediction.guess(base) for prediction, base in zip(self._predictions, bases, strict=True)]
         if any(guess is not None for guess in guesses):
             matrix.measure_by_energy(False)
-            return guesses
+            return [Guess(guess) for guess in guesses]
         starts = [self._from_first(k, point) for k in range(len(bases))]
         by_energy = all((one is None) == (other is None) for one, other in zip(starts, self._at_first, strict=True))
-        if matrix.measure_by_energy(by_energy):
-            matrix.enough = OF_ENERGY * self._tolerance
-        return starts
+        if not matrix.measure_by_energy(by_energy):
+            return [Guess(start) for start in starts]
+        matrix.enough = OF_ENERGY * self._tolerance
+        return [self._near(*each, weights) for each in zip(bases, starts, owed, strict=True)]
+
+    def _near(self, base: Floats, start: Floats | None, owed: Remainder | None, weights: Weights) -> Guess:
+        """The estimate, with what is owed; its energy beside the start, nearly all of which is inertia."""
+        none, du = self._none, np.empty_like(base)
+        beside, more = none if start is None else start, none if owed is None else owed.left
+        return Guess(du, weights.alpha_a * _near(base, beside, more, self.equations.mass.diagonal, du))
 
     def _from_first(self, k: int, point: Point) -> Floats | None:
         """What the derivative by parameter number k may be near to, from that at the start, if it moves places."""
@@ -273,6 +309,16 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         self.sample(point, self.derivatives)
         for each, derivative in zip(self.neighbours, self.derivatives, strict=True):
             each.settle(partial(derivative.moved, point))
+
+
+@kernel
+def _near(base: Floats, start: Floats, more: Floats, masses: Floats, du: Floats) -> float:
+    """base + more, and the sum of masses times (base - start)^2."""
+    energy = 0.0
+    for i in range(len(base)):
+        du[i] = base[i] + more[i]
+        energy += masses[i] * (base[i] - start[i]) ** 2
+    return energy
 
 
 @njit

@@ -55,9 +55,9 @@ class Neighbours:
         return (SHORT, CENTRAL) if len(self.sides) == len(CENTRAL) else (STEP, FOURTH)
 
     @property
-    def following(self) -> PartDifference | None:
-        """The difference of residuals where unknowns may follow the parameter as well; None where they may not."""
-        return _following(self.residual)
+    def parts(self) -> PartDifference | None:
+        """The difference of residuals by the parts that differ; None where whole residuals are differenced."""
+        return self.residual if isinstance(self.residual, PartDifference) else None
 
     def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
         """The derivative of a function, from its values at the sides."""
@@ -116,7 +116,7 @@ def neighbours_of(
         raise DeclarationError("gradient", problem, "accepted is a larger one in 'sizes'")
     here, above = Side(0.0, -1.0 / step, base), Side(step, 1.0 / step, _equations(name, base, _model(name, value + step, made)))
     rule = CENTRAL
-    if _moves(base, above.equations) and not (of_places and _following(difference_of(base, [here, above]))):
+    if _moves(base, above.equations) and not (of_places and _follows(difference_of(base, [here, above]))):
         step, rule = STEP * size, FOURTH
     sides = []
     for place, weight in rule:
@@ -126,9 +126,9 @@ def neighbours_of(
     return Neighbours(name, sides, difference_of(base, sides))
 
 
-def _following(residual: WholeDifference | PartDifference) -> PartDifference | None:
-    """The difference of residuals if coordinates may follow the parameter in it."""
-    return residual if isinstance(residual, PartDifference) and residual.follows else None
+def _follows(residual: WholeDifference | PartDifference) -> bool:
+    """Whether coordinates may follow the parameter in it."""
+    return isinstance(residual, PartDifference) and residual.follows
 
 
 def _moves(base: Equations, there: Equations) -> bool:
