@@ -130,9 +130,9 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     (:class:`~lamella.differentiation.prediction.Prediction`).
 
     Where it is not, a derivative is measured by its energy, and what a step lacks, b - A du', is added to the b of the next: a
-    force that a slow vibration would answer to hundreds of times is followed by its opposite. The derivative by a parameter that
-    moves places begins with that of the start, turned with the nodes of the plates: a length stretches the membrane wherever it
-    is. Newton's method goes on with a matrix that the derivatives have factorised; where they do with its own, the run is the
+    force that a slow vibration would answer to hundreds of times is followed by its opposite. The estimate alone is near by
+    energy, most of which is inertia. The derivative by a parameter that moves places is measured beside that of the start, turned
+    with the nodes of the plates: a length stretches the membrane wherever it is. Newton's method goes on with a matrix that the derivatives have factorised; where they do with its own, the run is the
     same to the last digit.
     """
 
