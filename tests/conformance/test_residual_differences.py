@@ -218,7 +218,9 @@ def along(change, dq, dv):
         ("length", "warm", False),
         ("length", "shaken", True),
         ("width", "damped", True),
-        ("thickness", "plain", False),
+        ("thickness", "plain", True),
+        ("E", "damped", True),
+        ("thickness", "warm", False),
         ("force", "plain", False),
     ],
 )

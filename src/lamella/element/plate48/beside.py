@@ -13,7 +13,7 @@ from lamella.element.plate48.layout import KernelArguments, Plate48Block, sectio
 from lamella.element.plate48.reference_change import reference_change, work_size
 from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Force, ForceChange
+from lamella.roles import Floats, ForceChange
 from lamella.threads import Workspace
 
 Block = TypeVar("Block", bound=Plate48Block)
@@ -23,11 +23,13 @@ POINT = 60e-9
 """Seconds that a change of the reference takes for a Gauss point of an element."""
 
 
-def force_change(block: Block, beside: Sequence[Block], weights: Sequence[float], time: float, elastic: bool) -> Force | None:
+def force_change(
+    block: Block, beside: Sequence[Block], weights: Sequence[float], time: float, elastic: bool
+) -> ForceChange | None:
     """What writes sum w_i f_i, the derivative of a force by a parameter.
 
-    Forces that differ by the stiffness of their sections are linear in it: f(sum w_i C_i). Else scale and reference change too,
-    and the derivatives of these tables give that of the force.
+    Forces that differ by the stiffness of their sections are linear in it: f(sum w_i C_i), while coordinates do not follow. Else
+    scale and reference change too, and the derivatives of these tables give that of the force.
 
     Args:
         block: the block at the value of the parameter.
@@ -40,15 +42,37 @@ def force_change(block: Block, beside: Sequence[Block], weights: Sequence[float]
     """
     if not all(comparable(block, other) for other in beside):
         return None
+    whole = ReferenceChange(block, beside, weights, time, elastic)
     for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
         if not all(np.array_equal(own[1], other[1]) and _same_reference(own, other) for other in others):
-            return ReferenceChange(block, beside, weights, time, elastic)
+            return whole
     found = copy(block)
     found.arguments = []
     for (index, scale, sections, *others), *its in zip(*(each.arguments for each in (block, *beside)), strict=True):
         change = _with_stiffness(sections, weighed(weights, [other[2] for other in its]))
         found.arguments.append((index, scale, change, *others))
-    return found
+    return StiffnessChange(found, whole)
+
+
+class StiffnessChange(ForceChange):
+    """The same by a parameter that changes the stiffness of sections alone.
+
+    Args:
+        alone: the elements with the derivative of the stiffness in its place.
+        whole: the derivative where coordinates follow.
+    """
+
+    def __init__(self, alone: Plate48Block, whole: ReferenceChange) -> None:
+        self.f_coords, self.f_scale = whole.f_coords, whole.f_scale
+        self._alone, self._whole = alone, whole
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write it to the force buffer ``f`` (n_f,)."""
+        self._alone.force(t, q, v, f)
+
+    def along(self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats) -> None:
+        """The same where coordinates and velocities follow the parameter."""
+        self._whole.along(t, q, v, dq, dv, f)
 
 
 class ReferenceChange(ForceChange):
@@ -63,9 +87,11 @@ class ReferenceChange(ForceChange):
     ) -> None:
         self.f_coords, self.f_scale = block.f_coords, block.f_scale
         self._over_blocks, self._how = block.over_blocks, (time, elastic)
+        self._scaled = False
         self._parts: list[tuple[KernelArguments, Floats, Floats, Floats]] = []
         for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
             scale = weighed(weights, [other[1] for other in others])
+            self._scaled |= any(not np.array_equal(own[1], other[1]) for other in others)
             self._parts.append((own, scale, scale / own[1], weighed(weights, [other[2] for other in others])))
         self.changes = [change for *_, change in self._parts]
         """Of the sections, for each part of them."""
@@ -88,9 +114,11 @@ class ReferenceChange(ForceChange):
             f += self._more
 
     def _write_part(self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, at: Place, f: Floats) -> None:
+        scaled = self._scaled or not at[4]
+
         def call(blocks: Range) -> None:
             tables = blocks.of(scale), blocks.of(share), sections_of(change, arguments[4], blocks)
-            reference_change(*at, *self._how, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
+            reference_change(*at, *self._how, scaled, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
 
         self._over_blocks(POINT * arguments[4] ** 2, call)
 

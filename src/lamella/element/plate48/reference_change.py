@@ -38,9 +38,12 @@ def work_size(n: int) -> int:
 
 @inlined
 def _gather_change(
-    q: Floats, dq: Floats, moves: bool, index: Ints, scale_change: Floats, scale: Floats, block: int, work: Floats
+    q: Floats, dq: Floats, moves: bool, scaled: bool, index: Ints, scale_change: Floats, scale: Floats, block: int, work: Floats
 ) -> None:
-    """S' q, and S dq with it if coordinates move, to the beginning of ``work``."""
+    """S' q if the scale changes, and S dq with it if coordinates move, to the beginning of ``work``."""
+    if not scaled:
+        gather(dq, index, scale, block, work, 0)
+        return
     gather(q, index, scale_change, block, work, 0)
     if moves:
         first = 48 * WIDTH * block
@@ -58,6 +61,7 @@ def reference_change(
     moves: bool,
     time: float,
     elastic: bool,
+    scaled: bool,
     scale_change: Floats,
     share: Floats,
     change: Floats,
@@ -74,6 +78,7 @@ def reference_change(
 
     Args:
         dq, dv: how coordinates and velocities follow the parameter, if they do (``moves``).
+        scaled: whether the scale changes; where it does not, coordinates must move.
         scale_change, share: S' and S' / S, packed as ``scale`` is.
         change: of the sections.
         others: as in :mod:`lamella.element.plate48.kernels`.
@@ -83,12 +88,12 @@ def reference_change(
     for block in range(index.size // (48 * WIDTH)):
         gather(q, index, scale, block, work, 0)
         interpolate_eta(work, 0, lines, table, n)
-        _gather_change(q, dq, moves, index, scale_change, scale, block, work)
+        _gather_change(q, dq, moves, scaled, index, scale_change, scale, block, work)
         interpolate_eta(work, 0, beside, table, n)
         if damped:
             gather(v, index, scale, block, work, 0)
             interpolate_eta(work, 0, rates, table, n)
-            _gather_change(v, dv, moves, index, scale_change, scale, block, work)
+            _gather_change(v, dv, moves, scaled, index, scale_change, scale, block, work)
             interpolate_eta(work, 0, rates_beside, table, n)
         for j in range(n):
             for i in range(n):
@@ -109,9 +114,13 @@ def reference_change(
                     ds = weighted6(1.0, ds, time, strain_rates(g, y_rate, m, m_rate))
                 res = resultants(c, s)
                 dres = weighted6(1.0, resultants(c, ds), 1.0, resultants(dc, s))
-                spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
+                if scaled:
+                    spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)
                 h = summed(gradient(g, m, d1, d2, dres, cubed), gradient_change(g, y, res, frame, turned, cubed))
                 spread_xi(h, work, more + j * 36, table, i, i == 0)
+        if not scaled:
+            spread_eta(work, more, table, n, f, block * 48)
+            continue
         spread_eta(work, sums, table, n, f, block * 48)
         spread_eta(work, more, table, n, work, 0)
         for k in range(48):
