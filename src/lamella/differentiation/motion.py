@@ -124,7 +124,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
 
     with the exact matrix A at u', for all parameters by one factorisation, that of the step or of one before
     (:class:`~lamella.differentiation.exact_matrix.ExactMatrix`), and the right-hand side by central differences of residuals at
-    u' (:func:`~lamella.differentiation.solution.residual_difference`). It is solved to a tenth of the tolerance of Newton's
+    u' (:mod:`~lamella.differentiation.difference`). It is solved to a tenth of the tolerance of Newton's
     method: the error in u' moves a derivative by more. Steps keep the lengths that they have. What the estimate by constant
     acceleration was off by in the last steps tells how far it is off now, where motion is damped
     (:class:`~lamella.differentiation.prediction.Prediction`).
@@ -132,8 +132,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
     Where it is not, a derivative is measured by its energy, and what a step lacks, b - A du', is added to the b of the next: a
     force that a slow vibration would answer to hundreds of times is followed by its opposite. The estimate alone is near by
     energy, most of which is inertia. The derivative by a parameter that moves places is measured beside that of the start, turned
-    with the nodes of the plates: a length stretches the membrane wherever it is. Newton's method goes on with a matrix that the derivatives have factorised; where they do with its own, the run is the
-    same to the last digit.
+    with the nodes of the plates: a length stretches the membrane wherever it is. Newton's method goes on with a matrix that the
+    derivatives have factorised; where they do with its own, the run is the same to the last digit.
     """
 
     def __init__(self, made: DifferentiatedAlpha, equations: Equations, statistics: Statistics, solver: Method) -> None:
