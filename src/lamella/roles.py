@@ -100,8 +100,27 @@ class ForceChange(Force):
     """The derivative of a force f(t, q, v; p) by a parameter p, at the price of little more than the force."""
 
     @abstractmethod
-    def along(self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats) -> None:
-        """Write df/dp + df/dq dq + df/dv dv to the force buffer ``f`` (n_f,): coordinates and velocities follow the parameter."""
+    def along(
+        self,
+        t: float,
+        q: Floats,
+        v: Floats,
+        dq: Floats,
+        dv: Floats,
+        f: Floats,
+        looking: TangentOperator | None = None,
+        alpha_v: float = 0.0,
+    ) -> bool:
+        """Write df/dp + df/dq dq + df/dv dv to the force buffer ``f`` (n_f,): coordinates and velocities follow the parameter.
+
+        Args:
+            t, q, v, dq, dv, f: see above.
+            looking: an operator with the tangent of the block, if there is one that would look at (q, v) next.
+            alpha_v: the weight with which it would, beside alpha_q = 1.
+
+        Returns:
+            Whether it need not look any more.
+        """
 
 
 class ForceBlock(Memory, Force):

@@ -20,6 +20,7 @@ from lamella.differentiation.neighbours import neighbours_of
 from lamella.element.plate48.beside import ReferenceChange
 from lamella.element.plate48.block import SHELL
 from lamella.element.plate48.exact import ShellBlock
+from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import PLATE48
 
@@ -224,7 +225,7 @@ def along(change, dq, dv):
         ("force", "plain", False),
     ],
 )
-def test_unknowns_follow_the_parameter(name, how, follows):
+def test_unknowns_follow_the_parameter(name, how, follows, monkeypatch):
     """As the product of the exact tangent tells, where all forces that depend on them may."""
     base, beside = neighbours(name, **MORE[how])
     assert (beside.parts is not None and beside.parts.follows) == follows
@@ -236,3 +237,14 @@ def test_unknowns_follow_the_parameter(name, how, follows):
     expected = beside.residual(point, dud, dudd)[0] + product
     found = beside.parts.along(point, dud, dudd, du, weights)[0]
     np.testing.assert_allclose(found, expected, atol=1e-12 * max(np.abs(expected).max(), np.abs(product).max()))
+    matrix, looks = ExactMatrix(base), []
+    monkeypatch.setattr(ShellTangent, "look", lambda *_: looks.append(1))
+    elsewhere = base.start()
+    for at in (elsewhere, point):  # what was seen of another point is not taken for this one
+        beside.parts.along(at, dud, dudd, du, weights, matrix.ahead(at, weights))
+    np.testing.assert_allclose(matrix.product(point, weights)(du), product, atol=1e-12 * np.abs(product).max())
+    assert not looks
+    matrix.product(point, weights)
+    matrix.ahead(elsewhere, weights)
+    matrix.product(elsewhere, weights)
+    assert len(looks) == 2

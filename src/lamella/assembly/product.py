@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain
 
 import numpy as np
@@ -17,7 +17,7 @@ from lamella.assembly.operator import SumOperator, VectorOperator, negative_sum
 from lamella.assembly.point import Point, Weights
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
 from lamella.model import Model
-from lamella.roles import ConstraintBlock, Floats, ForceBlock, Ints, MatrixFreeBlock
+from lamella.roles import ConstraintBlock, Floats, ForceBlock, ForceChange, Ints, MatrixFreeBlock, TangentOperator
 
 Unsigned = NDArray[np.uint32]
 
@@ -33,6 +33,29 @@ def matrix_free(forces: Sequence[ForceBlock], loads: Sequence[ForceBlock]) -> li
     listed = sum(len(block.k_rows) for block in blocks if not isinstance(block, MatrixFreeBlock))
     multiplied = sum(len(block.f_coords) for block in blocks if isinstance(block, MatrixFreeBlock))
     return found if listed <= max(LISTED, FOR_EACH * multiplied) else None
+
+
+class Ahead:
+    """Operators that have looked at a point on the way of an evaluation there.
+
+    Args:
+        point, weights: where.
+        of_blocks: the operators that may, by their blocks.
+    """
+
+    def __init__(
+        self, point: Point | None, weights: Weights | None, of_blocks: Mapping[int, TangentOperator] | None = None
+    ) -> None:
+        self.point, self.weights, self._of_blocks = point, weights, of_blocks or {}
+        self.operators: list[TangentOperator] = []
+
+    def along(
+        self, change: ForceChange, block: ForceBlock, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats
+    ) -> None:
+        """Evaluate the change of a block's force along a change of the coordinates (:class:`~lamella.roles.ForceChange`)."""
+        operator = self._of_blocks.get(id(block))
+        if change.along(t, q, v, dq, dv, f, operator, self.weights.alpha_v if self.weights else 0.0) and operator:
+            self.operators.append(operator)
 
 
 class TangentProduct:
@@ -58,6 +81,7 @@ class TangentProduct:
         self._constraints = constraints
         free = [block for block, _ in forces.parts if isinstance(block, MatrixFreeBlock)]
         self._sum = ForceSum(free, model.n_q, T, None if T is None else forces)
+        self._free, self._ahead = free, Ahead(None, None)
         self._operators = [(block.tangent(), part) for block, (_, part) in zip(free, self._sum.parts, strict=True)]
         self._listed = [
             [(block, _Entries(block)) for block, _ in summed.parts if block not in free and len(block.k_rows)]
@@ -76,8 +100,11 @@ class TangentProduct:
             q, v: its coordinates and velocities.
             weights: how the unknown moves coordinates and velocities.
         """
+        ahead = self._ahead.operators if self._ahead.point is point and self._ahead.weights == weights else []
         for operator, _ in self._operators:
-            operator.look(point.t, q, v, weights.alpha_q, weights.alpha_v)
+            if operator not in ahead:
+                operator.look(point.t, q, v, weights.alpha_q, weights.alpha_v)
+        self._ahead = Ahead(None, None)
         for parts, factor in zip(self._listed, (1.0, point.factor), strict=True):
             for block, entries in parts:
                 alpha_v = weights.rate if block.first_order else weights.alpha_v
@@ -91,6 +118,12 @@ class TangentProduct:
             for block, entries in self._curvatures:
                 block.curvature(point.t, q, lam[block.first : block.first + block.n_lam], entries.k)
                 entries.k *= weights.alpha_q
+
+    def ahead(self, point: Point, weights: Weights) -> Ahead:
+        """What evaluates the parts of a sum at a point where this will look next, for operators that need not look then."""
+        of_blocks = zip(self._free, self._operators, strict=True) if weights.alpha_q == 1.0 else ()
+        self._ahead = Ahead(point, weights, {id(block): operator for block, (operator, _) in of_blocks})
+        return self._ahead
 
     def __call__(self, x: Floats) -> Floats:
         """The product with a vector in all coordinates, shape (n_q,)."""

@@ -16,6 +16,7 @@ from lamella.assembly.forces import ForceSum
 from lamella.assembly.mass import in_independent
 from lamella.assembly.operator import VectorOperator
 from lamella.assembly.point import Point, Weights
+from lamella.assembly.product import Ahead
 from lamella.differentiation.alike import alike
 from lamella.inertia import differenced
 from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock, ForceChange
@@ -98,20 +99,23 @@ class PartDifference:
         dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
         return self._apart(point, self._held if self.moves else None, dv, dudd)
 
-    def along(self, point: Point, dud: Floats, dudd: Floats, du: Floats, weights: Weights) -> tuple[Floats, Floats]:
+    def along(
+        self, point: Point, dud: Floats, dudd: Floats, du: Floats, weights: Weights, ahead: Ahead | None = None
+    ) -> tuple[Floats, Floats]:
         """The same of unknowns that follow the parameter by ``du``, with velocities and accelerations that belong to it.
 
-        Only where coordinates may follow. The product of the tangent with ``du`` is in it, for little more time.
+        Only where coordinates may follow. The product of the tangent with ``du`` is in it, for little more time; other products
+        ``ahead`` at the point need not look at it then.
         """
         base = self._base
         dq = base.expand.onto(du, self._held.copy()) if self.moves else base.expand(du)
         dv = None
         if base.depends_on_velocity:
             dv = base.expand(moved(dud, weights.alpha_v, du))
-        return self._with_inertia(*self._apart(point, dq, dv, moved(dudd, weights.alpha_a, du)))
+        return self._with_inertia(*self._apart(point, dq, dv, moved(dudd, weights.alpha_a, du), ahead))
 
     def _apart(
-        self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None
+        self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None, ahead: Ahead | None = None
     ) -> tuple[Floats, Floats, Floats | None]:
         base, r = self._base, np.zeros(len(point.u))
         q, v = base.coordinates(point), base.force_velocities(point)
@@ -120,7 +124,7 @@ class PartDifference:
         self._loads.add(point.t, q, v, dq, dv, r)
         if point.factor != 1.0:
             r *= point.factor
-        self._forces.add(point.t, q, v, dq, dv, r)
+        self._forces.add(point.t, q, v, dq, dv, r, ahead)
         if not point.at_rest:
             mass = self._mass
             if isinstance(mass, _MassDifference):
@@ -191,6 +195,7 @@ class _Parts:
         moving = [one and not other for one, other in zip(others, linear, strict=True)]
         of_all = base.model.n_q, base.elimination.T
         self._wholes = ForceSum([whole for whole in wholes if whole], *of_all)
+        self._of_wholes = [block for block, whole in zip(of_values, wholes, strict=True) if whole]
         self._linear = ForceSum([block for block, _ in compress(of_base.parts, linear)], *of_all)
         self._seeing = any(block.depends_on_velocity for block, _ in of_base.parts)
         self.follows = all(
@@ -199,16 +204,19 @@ class _Parts:
         )
         self._changed, self._moving = (_Weighed(sides, sums, chosen, *of_all) for chosen in (changed, moving))
 
-    def add(self, t: float, q: Floats, v: Floats, dq: Floats | None, dv: Floats | None, r: Floats) -> None:
+    def add(
+        self, t: float, q: Floats, v: Floats, dq: Floats | None, dv: Floats | None, r: Floats, ahead: Ahead | None = None
+    ) -> None:
         """Add the derivative of their forces to r, with coordinates and velocities that follow the parameter if these are given;
         coordinates only where they may (``follows``).
         """
         if self._wholes.parts:
-            for block, part in self._wholes.parts:
-                if dq is not None and dv is not None and isinstance(block, ForceChange):
-                    block.along(t, q, v, dq, dv, part)
+            ahead = ahead or Ahead(None, None)
+            for (change, part), block in zip(self._wholes.parts, self._of_wholes, strict=True):
+                if dq is not None and dv is not None and isinstance(change, ForceChange):
+                    ahead.along(change, block, t, q, v, dq, dv, part)
                 else:
-                    block.force(t, q, v, part)
+                    change.force(t, q, v, part)
             self._wholes.onto(r)
         if dv is None or dq is not None:  # those that depend on velocities have been asked already
             self._changed.add(t, q, v, None, r)

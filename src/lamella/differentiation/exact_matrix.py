@@ -12,7 +12,7 @@ import numpy as np
 from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import STATIC, Point, Weights
-from lamella.assembly.product import TangentProduct
+from lamella.assembly.product import Ahead, TangentProduct
 from lamella.differentiation.conjugate_gradients import FINE, ConjugateGradients
 from lamella.differentiation.directions import LEAST
 from lamella.differentiation.renewal import Renewal
@@ -145,6 +145,10 @@ class ExactMatrix:
             self._begin(point, weights)
         else:
             self.factorise(point, weights)
+
+    def ahead(self, point: Point, weights: Weights) -> Ahead | None:
+        """Takes the look at a point off the products there, where an evaluation goes through it anyway."""
+        return self._tangents.ahead(point, weights) if self.equations.multiplies else None
 
     def _begin(self, point: Point, weights: Weights) -> None:
         self._at, self._residual, self.renewed = (point, weights), None, None

@@ -257,7 +257,8 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         if du is None or parts is None or not (parts.follows or self.equations.multiplies):
             found = Change(*neighbours.residual(point, ud, udd), du, energy=energy)
         elif parts.follows:
-            found = Change(*parts.along(point, ud, udd, du, weights), du, along=True, energy=energy)
+            ahead = self.matrix.ahead(point, weights)
+            found = Change(*parts.along(point, ud, udd, du, weights, ahead), du, along=True, energy=energy)
         else:
             r, s, a = parts.apart(point, ud, udd)
             found = Change(r, s, du, False, moved(udd if a is None else a, weights.alpha_a, du), energy)

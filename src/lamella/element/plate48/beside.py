@@ -10,13 +10,15 @@ import numpy as np
 
 from lamella.element.block import Range
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, sections_of, seen
+from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.reference_change import reference_change, work_size
 from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, ForceChange
+from lamella.roles import Floats, ForceChange, TangentOperator
 from lamella.threads import Workspace
 
 Block = TypeVar("Block", bound=Plate48Block)
+NOTHING = np.zeros(0)
 Place = tuple[Floats, Floats, Floats, Floats, bool]
 """Coordinates and velocities, how they follow the parameter, and whether they do."""
 POINT = 60e-9
@@ -70,9 +72,19 @@ class StiffnessChange(ForceChange):
         """Write it to the force buffer ``f`` (n_f,)."""
         self._alone.force(t, q, v, f)
 
-    def along(self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats) -> None:
+    def along(
+        self,
+        t: float,
+        q: Floats,
+        v: Floats,
+        dq: Floats,
+        dv: Floats,
+        f: Floats,
+        looking: TangentOperator | None = None,
+        alpha_v: float = 0.0,
+    ) -> bool:
         """The same where coordinates and velocities follow the parameter."""
-        self._whole.along(t, q, v, dq, dv, f)
+        return self._whole.along(t, q, v, dq, dv, f, looking, alpha_v)
 
 
 class ReferenceChange(ForceChange):
@@ -100,25 +112,40 @@ class ReferenceChange(ForceChange):
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Write it to the force buffer ``f`` (n_f,)."""
-        self._write((q, v, q, v, False), f)
+        self._write((q, v, q, v, False), [NOTHING] * len(self._parts), f)
 
-    def along(self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats) -> None:
+    def along(
+        self,
+        t: float,
+        q: Floats,
+        v: Floats,
+        dq: Floats,
+        dv: Floats,
+        f: Floats,
+        looking: TangentOperator | None = None,
+        alpha_v: float = 0.0,
+    ) -> bool:
         """The same where coordinates and velocities follow the parameter."""
-        self._write((q, v, dq, dv, True), f)
+        looks = isinstance(looking, ShellTangent)
+        self._write((q, v, dq, dv, True), looking.looked_by(alpha_v) if looks else [NOTHING] * len(self._parts), f)
+        return looks
 
-    def _write(self, at: Place, f: Floats) -> None:
-        first, *others = self._parts
-        self._write_part(*first, at, f)
-        for part in others:
-            self._write_part(*part, at, self._more)
-            f += self._more
+    def _write(self, at: Place, kept: Sequence[Floats], f: Floats) -> None:
+        for k, (part, points) in enumerate(zip(self._parts, kept, strict=True)):
+            self._write_part(*part, at, points, self._more if k else f)
+            if k:
+                f += self._more
 
-    def _write_part(self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, at: Place, f: Floats) -> None:
+    def _write_part(
+        self, arguments: KernelArguments, scale: Floats, share: Floats, change: Floats, at: Place, points: Floats, f: Floats
+    ) -> None:
         scaled = self._scaled or not at[4]
 
         def call(blocks: Range) -> None:
             tables = blocks.of(scale), blocks.of(share), sections_of(change, arguments[4], blocks)
-            reference_change(*at, *self._how, scaled, *tables, *seen(arguments, blocks), self._work.array, blocks.of(f))
+            reference_change(
+                *at, *self._how, scaled, *tables, *seen(arguments, blocks), self._work.array, blocks.of(points), blocks.of(f)
+            )
 
         self._over_blocks(POINT * arguments[4] ** 2, call)
 

@@ -133,12 +133,12 @@ class _HeatedChange(ReferenceChange):
             for part, sections, *others in zip(block.parts, self.changes, *(other.parts for other in beside), strict=True)
         ]
 
-    def _write(self, at: Place, f: Floats) -> None:
+    def _write(self, at: Place, kept: Sequence[Floats], f: Floats) -> None:
         q = at[0]
         self._own.heat(q)
         for part in self._change:
             part.heat(q, self._own.index_T, self._own.work_T)
-        super()._write(at, f)
+        super()._write(at, kept, f)
 
 
 class GaussPoints:

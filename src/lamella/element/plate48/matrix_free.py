@@ -35,6 +35,11 @@ class ShellTangent(TangentOperator):
         self._product = aligned(block.f_coords.size if len(self._parts) > 1 else 0)
         self._weights = 0.0, 0.0
 
+    def looked_by(self, alpha_v: float) -> list[Floats]:
+        """Where another kernel keeps what products with df/dq + alpha_v df/dv need, for each part of the section."""
+        self._weights = 1.0, alpha_v
+        return [points for _, points in self._parts]
+
     def look(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float) -> None:
         """Evaluate what all products at a point need."""
         self._weights = alpha_q, alpha_v

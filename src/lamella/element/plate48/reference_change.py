@@ -26,7 +26,15 @@ from lamella.element.plate48.interpolation import (
     stiffness,
 )
 from lamella.element.plate48.strain import Cubed, gradient, normal_change, resultants, strains, surface_frame
-from lamella.element.plate48.tangent_product import frame_change, gradient_change, rates_change, summed
+from lamella.element.plate48.tangent_product import (
+    frame_change,
+    gradient_change,
+    keep_point,
+    keep_rates,
+    point_size,
+    rates_change,
+    summed,
+)
 from lamella.lane import WIDTH, load, number_at, put_at, store
 from lamella.roles import Floats, Ints
 
@@ -72,6 +80,7 @@ def reference_change(
     n: int,
     cubed: Cubed,
     work: Floats,
+    points: Floats,
     f: Floats,
 ) -> None:
     """f' / S, f (block, 48), of the viscous force with retardation time c = ``time``, of the elastic one, or of both.
@@ -81,10 +90,13 @@ def reference_change(
         scaled: whether the scale changes; where it does not, coordinates must move.
         scale_change, share: S' and S' / S, packed as ``scale`` is.
         change: of the sections.
+        points: keeps what products with the tangent here need, with alpha_q = 1, as :func:`.tangent_product.tangent_points` does,
+            unless it is empty.
         others: as in :mod:`lamella.element.plate48.kernels`.
     """
     lines, beside, rates, rates_beside, sums = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n, 48 + 144 * n
     more, damped, weight = sums + 36 * n, time != 0.0, 1.0 if elastic else 0.0
+    keeps, size = len(points) > 0, point_size(time)
     for block in range(index.size // (48 * WIDTH)):
         gather(q, index, scale, block, work, 0)
         interpolate_eta(work, 0, lines, table, n)
@@ -98,7 +110,7 @@ def reference_change(
         for j in range(n):
             for i in range(n):
                 g, y = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, beside, table, i, j)
-                at = constants_at(sections, block, n, i, j)
+                at, to = constants_at(sections, block, n, i, j), ((block * n + j) * n + i) * size
                 c, dc = stiffness(sections, at), stiffness(change, at)
                 m, d1, d2 = frame = surface_frame(g[0], g[1], cubed)
                 turned = frame_change(y, frame, cubed)
@@ -110,9 +122,13 @@ def reference_change(
                     m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
                     s = weighted6(1.0, s, time, strain_rates(g, g_rate, m, m_rate))
                     ds = weighted6(1.0, ds, time, rates_change(g, g_rate, y, m_rate, frame, turned, cubed))
+                    if keeps:
+                        keep_rates(points, to, g_rate, m_rate)
                     m_rate = normal_change(y_rate[0], y_rate[1], m, d1, d2, cubed)
                     ds = weighted6(1.0, ds, time, strain_rates(g, y_rate, m, m_rate))
                 res = resultants(c, s)
+                if keeps:
+                    keep_point(points, to, g, frame, res)
                 dres = weighted6(1.0, resultants(c, ds), 1.0, resultants(dc, s))
                 if scaled:
                     spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)

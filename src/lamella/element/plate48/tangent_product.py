@@ -164,15 +164,26 @@ def tangent_points(
                     g_rate = interpolate_xi(work, rates, table, i, j)
                     m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
                     s = weighted6(1.0, s, alpha_q * time, strain_rates(g, g_rate, m, m_rate))
-                    _keep5(points, to + 30, g_rate)
-                    _keep(points, to + 45, m_rate)
-                resultant = resultants(stiffness(sections, at), s)
-                _keep5(points, to, g)
-                _keep(points, to + 15, m)
-                _keep(points, to + 18, d1)
-                _keep(points, to + 21, d2)
-                _keep(points, to + 24, (resultant[0], resultant[1], resultant[2]))
-                _keep(points, to + 27, (resultant[3], resultant[4], resultant[5]))
+                    keep_rates(points, to, g_rate, m_rate)
+                keep_point(points, to, g, (m, d1, d2), resultants(stiffness(sections, at), s))
+
+
+@inlined
+def keep_point(points: Floats, at: int, g: tuple[Vector, ...], frame: Frame, resultant: tuple[Any, ...]) -> None:
+    """Keep g, m, d1, d2 and alpha_q N of a Gauss point."""
+    _keep5(points, at, g)
+    _keep(points, at + 15, frame[0])
+    _keep(points, at + 18, frame[1])
+    _keep(points, at + 21, frame[2])
+    _keep(points, at + 24, (resultant[0], resultant[1], resultant[2]))
+    _keep(points, at + 27, (resultant[3], resultant[4], resultant[5]))
+
+
+@inlined
+def keep_rates(points: Floats, at: int, g_rate: tuple[Vector, ...], m_rate: Vector) -> None:
+    """Keep gdot and mdot."""
+    _keep5(points, at + 30, g_rate)
+    _keep(points, at + 45, m_rate)
 
 
 @inlined
