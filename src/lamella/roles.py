@@ -101,22 +101,13 @@ class ForceChange(Force):
 
     @abstractmethod
     def along(
-        self,
-        t: float,
-        q: Floats,
-        v: Floats,
-        dq: Floats,
-        dv: Floats,
-        f: Floats,
-        looking: TangentOperator | None = None,
-        alpha_v: float = 0.0,
+        self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats, looking: TangentOperator | None = None
     ) -> bool:
         """Write df/dp + df/dq dq + df/dv dv to the force buffer ``f`` (n_f,): coordinates and velocities follow the parameter.
 
         Args:
             t, q, v, dq, dv, f: see above.
-            looking: an operator with the tangent of the block, if there is one that would look at (q, v) next.
-            alpha_v: the weight with which it would, beside alpha_q = 1.
+            looking: an operator with the tangent of the block, if there is one that would look at (q, v) next, with alpha_q = 1.
 
         Returns:
             Whether it need not look any more.
@@ -230,6 +221,10 @@ class TangentOperator(ABC):
     @abstractmethod
     def look(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float) -> None:
         """Go to a point, and evaluate what all products with alpha_q df/dq + alpha_v df/dv there need."""
+
+    @abstractmethod
+    def weigh(self, alpha_q: float, alpha_v: float) -> None:
+        """The same where a change of the force has looked already (:meth:`ForceChange.along`)."""
 
     @abstractmethod
     def multiply(self, x: Floats, f: Floats) -> None:

@@ -54,7 +54,7 @@ class Ahead:
     ) -> None:
         """Evaluate the change of a block's force along a change of the coordinates (:class:`~lamella.roles.ForceChange`)."""
         operator = self._of_blocks.get(id(block))
-        if change.along(t, q, v, dq, dv, f, operator, self.weights.alpha_v if self.weights else 0.0) and operator:
+        if change.along(t, q, v, dq, dv, f, operator) and operator:
             self.operators.append(operator)
 
 
@@ -102,7 +102,9 @@ class TangentProduct:
         """
         ahead = self._ahead.operators if self._ahead.point is point and self._ahead.weights == weights else []
         for operator, _ in self._operators:
-            if operator not in ahead:
+            if operator in ahead:
+                operator.weigh(weights.alpha_q, weights.alpha_v)
+            else:
                 operator.look(point.t, q, v, weights.alpha_q, weights.alpha_v)
         self._ahead = Ahead(None, None)
         for parts, factor in zip(self._listed, (1.0, point.factor), strict=True):

@@ -21,8 +21,8 @@ is known of these tells it to single precision where B^-1 computes with that."""
 
 
 class ConjugateGradients(Directions):
-    """Solves A z = b for several b, with directions p of energy p . A p and of none with each other; for symmetric A and B
-    without multipliers.
+    """Solves A z = b for several b, with conjugate directions, p_i . A p_j = 0 for i != j; for symmetric A and B without
+    multipliers.
 
     What is left is substituted anew after each direction, so that B^-1 need not be linear to more than that. Of a plate, whose
     membrane is stiffer than its bending by orders of magnitude, they need half as many directions for the same forces as
@@ -44,14 +44,14 @@ class ConjugateGradients(Directions):
         self.force = self._force[: len(per_magnitude)]
         self._directions, self._forces, self._images = np.zeros((3, most * self._padded))
         self._energies = np.zeros(most)
-        self._vectors = self._z, self._left, self._force, self._directions, self._forces, self._images, self._energies
+        self._vectors = self._z, self._left, self._force, self._directions, self._forces, self._images
         self._whole, self._last = 0.0, 0.0
 
     def begin(self, z: Floats | None, left: Floats, force: Floats, energy: float = 0.0) -> float:
         """As the role says; ``energy`` is that of the solution, as far as it is known."""
         self._start(z, left)
         self.force[:] = force
-        at_first, of_magnitudes, of_left = _begin(self.known, *self._vectors, self._weights)
+        at_first, of_magnitudes, of_left = _begin(self.known, *self._vectors, self._energies, self._weights)
         self._whole = max(at_first, energy)
         self._last = 0.0
         return self._lacking(of_magnitudes, of_left)
@@ -65,7 +65,7 @@ class ConjugateGradients(Directions):
     def improve(self, rest: Floats, substituted: Callable[[Floats], Floats]) -> float:
         """Add the direction ``left``, of which A left = -``rest``; ``substituted`` multiplies with B^-1."""
         k = self._place()
-        share = _advance(rest, k, *self._vectors)
+        share = _advance(rest, k, *self._vectors, self._energies)
         if not share > 0.0:
             return np.nan
         return self._lacking(*_left_anew(substituted(self.force), share, k, *self._vectors, self._weights))
@@ -121,7 +121,7 @@ def _advance(
 @kernel
 def _left_anew(
     new: Floats, share: float, k: int, z: Floats, left: Floats, force: Floats, directions: Floats, forces: Floats,
-    images: Floats, energies: Floats, weights: Floats,
+    images: Floats, weights: Floats,
 ) -> tuple[float, float]:  # fmt: skip
     """What a substitution has found of what is left now; the image of direction number k follows; the shares of what is left."""
     at, per_share = k * len(left), 1.0 / share

@@ -40,8 +40,8 @@ SHARE = 0.1
 """Of the tolerance of Newton's method, which the derivative of a damped motion may lack. With all of it forces across the stiff
 direction, which nearly vanish, lose up to a hundred times what Newton's own error takes from them."""
 OF_ENERGY = 4.0
-"""The same of a motion without damping, for the square root of the energy: that error takes as much from it and more
-(docs/decisions/0022-gradients.md)."""
+"""The same of a motion without damping, for the square root of the energy by the diagonal of M: that error takes as much from it
+and more (docs/decisions/0022-gradients.md)."""
 
 
 class Guess(NamedTuple):
@@ -296,7 +296,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
         """The estimate, with what is owed; its energy beside the start, nearly all of which is inertia."""
         none, du = self._none, np.empty_like(base)
         beside, more = none if start is None else start, none if owed is None else owed.left
-        return Guess(du, weights.alpha_a * _near(base, beside, more, self.equations.mass.diagonal, du))
+        return Guess(du, weights.alpha_a * _sum_with_energy(base, beside, more, self.equations.mass.diagonal, du))
 
     def _from_first(self, k: int, point: Point) -> Floats | None:
         """What the derivative by parameter number k may be near to, from that at the start, if it moves places."""
@@ -313,7 +313,7 @@ class DifferentiatedStepper(GeneralizedAlphaStepper):
 
 
 @kernel
-def _near(base: Floats, start: Floats, more: Floats, masses: Floats, du: Floats) -> float:
+def _sum_with_energy(base: Floats, start: Floats, more: Floats, masses: Floats, du: Floats) -> float:
     """base + more, and the sum of masses times (base - start)^2."""
     energy = 0.0
     for i in range(len(base)):

@@ -44,47 +44,15 @@ def force_change(
     """
     if not all(comparable(block, other) for other in beside):
         return None
-    whole = ReferenceChange(block, beside, weights, time, elastic)
     for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
         if not all(np.array_equal(own[1], other[1]) and _same_reference(own, other) for other in others):
-            return whole
+            return ReferenceChange(block, beside, weights, time, elastic)
     found = copy(block)
     found.arguments = []
     for (index, scale, sections, *others), *its in zip(*(each.arguments for each in (block, *beside)), strict=True):
         change = _with_stiffness(sections, weighed(weights, [other[2] for other in its]))
         found.arguments.append((index, scale, change, *others))
-    return StiffnessChange(found, whole)
-
-
-class StiffnessChange(ForceChange):
-    """The same by a parameter that changes the stiffness of sections alone.
-
-    Args:
-        alone: the elements with the derivative of the stiffness in its place.
-        whole: the derivative where coordinates follow.
-    """
-
-    def __init__(self, alone: Plate48Block, whole: ReferenceChange) -> None:
-        self.f_coords, self.f_scale = whole.f_coords, whole.f_scale
-        self._alone, self._whole = alone, whole
-
-    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
-        """Write it to the force buffer ``f`` (n_f,)."""
-        self._alone.force(t, q, v, f)
-
-    def along(
-        self,
-        t: float,
-        q: Floats,
-        v: Floats,
-        dq: Floats,
-        dv: Floats,
-        f: Floats,
-        looking: TangentOperator | None = None,
-        alpha_v: float = 0.0,
-    ) -> bool:
-        """The same where coordinates and velocities follow the parameter."""
-        return self._whole.along(t, q, v, dq, dv, f, looking, alpha_v)
+    return StiffnessChange(found, block, beside, weights, time, elastic)
 
 
 class ReferenceChange(ForceChange):
@@ -115,19 +83,11 @@ class ReferenceChange(ForceChange):
         self._write((q, v, q, v, False), [NOTHING] * len(self._parts), f)
 
     def along(
-        self,
-        t: float,
-        q: Floats,
-        v: Floats,
-        dq: Floats,
-        dv: Floats,
-        f: Floats,
-        looking: TangentOperator | None = None,
-        alpha_v: float = 0.0,
+        self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats, looking: TangentOperator | None = None
     ) -> bool:
         """The same where coordinates and velocities follow the parameter."""
         looks = isinstance(looking, ShellTangent)
-        self._write((q, v, dq, dv, True), looking.looked_by(alpha_v) if looks else [NOTHING] * len(self._parts), f)
+        self._write((q, v, dq, dv, True), looking.points if looks else [NOTHING] * len(self._parts), f)
         return looks
 
     def _write(self, at: Place, kept: Sequence[Floats], f: Floats) -> None:
@@ -148,6 +108,25 @@ class ReferenceChange(ForceChange):
             )
 
         self._over_blocks(POINT * arguments[4] ** 2, call)
+
+
+class StiffnessChange(ReferenceChange):
+    """The same by a parameter that changes the stiffness of sections alone.
+
+    Args:
+        alone: the elements with the derivative of the stiffness in its place, whose force it is while coordinates do not follow.
+        block, beside, weights, time, elastic: as for :func:`force_change`.
+    """
+
+    def __init__(
+        self, alone: Block, block: Block, beside: Sequence[Block], weights: Sequence[float], time: float, elastic: bool
+    ) -> None:
+        super().__init__(block, beside, weights, time, elastic)
+        self._alone = alone
+
+    def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
+        """Write it to the force buffer ``f`` (n_f,)."""
+        self._alone.force(t, q, v, f)
 
 
 def comparable(block: Plate48Block, other: Plate48Block) -> bool:

@@ -35,10 +35,14 @@ class ShellTangent(TangentOperator):
         self._product = aligned(block.f_coords.size if len(self._parts) > 1 else 0)
         self._weights = 0.0, 0.0
 
-    def looked_by(self, alpha_v: float) -> list[Floats]:
-        """Where another kernel keeps what products with df/dq + alpha_v df/dv need, for each part of the section."""
-        self._weights = 1.0, alpha_v
+    @property
+    def points(self) -> list[Floats]:
+        """What is kept of the Gauss points, for each part of the section."""
         return [points for _, points in self._parts]
+
+    def weigh(self, alpha_q: float, alpha_v: float) -> None:
+        """Weights of what has been looked at."""
+        self._weights = alpha_q, alpha_v
 
     def look(self, t: float, q: Floats, v: Floats, alpha_q: float, alpha_v: float) -> None:
         """Evaluate what all products at a point need."""
