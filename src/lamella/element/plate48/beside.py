@@ -13,6 +13,7 @@ from lamella.element.plate48.layout import KernelArguments, Plate48Block, sectio
 from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.reference_change import reference_change, work_size
 from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
+from lamella.element.plate48.tangent_product import Time
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, ForceChange, TangentOperator
 from lamella.threads import Workspace
@@ -26,7 +27,7 @@ POINT = 60e-9
 
 
 def force_change(
-    block: Block, beside: Sequence[Block], weights: Sequence[float], time: float, elastic: bool
+    block: Block, beside: Sequence[Block], weights: Sequence[float], time: Time, elastic: bool
 ) -> ForceChange | None:
     """What writes sum w_i f_i, the derivative of a force by a parameter.
 
@@ -37,7 +38,7 @@ def force_change(
         block: the block at the value of the parameter.
         beside: blocks of the same kind at the values beside it.
         weights: of these, whose sum is 0.
-        time, elastic: retardation time [s], and whether there is the elastic force.
+        time, elastic: retardation time [s] of the viscous force if there is one, and whether there is the elastic force.
 
     Returns:
         None where the blocks have other elements or other Gauss points.
@@ -63,7 +64,7 @@ class ReferenceChange(ForceChange):
     """
 
     def __init__(
-        self, block: Plate48Block, beside: Sequence[Plate48Block], weights: Sequence[float], time: float, elastic: bool
+        self, block: Plate48Block, beside: Sequence[Plate48Block], weights: Sequence[float], time: Time, elastic: bool
     ) -> None:
         self.f_coords, self.f_scale = block.f_coords, block.f_scale
         self._over_blocks, self._how = block.over_blocks, (time, elastic)
@@ -119,7 +120,7 @@ class StiffnessChange(ReferenceChange):
     """
 
     def __init__(
-        self, alone: Block, block: Block, beside: Sequence[Block], weights: Sequence[float], time: float, elastic: bool
+        self, alone: Block, block: Block, beside: Sequence[Block], weights: Sequence[float], time: Time, elastic: bool
     ) -> None:
         super().__init__(block, beside, weights, time, elastic)
         self._alone = alone

@@ -95,7 +95,7 @@ class ShellBlock(Plate48Block):
         same = [each for each in beside if type(each) is ShellBlock]
         if type(self) is not ShellBlock or len(same) != len(beside):
             return None
-        return force_change(self, same, weights, 0.0, elastic=True)
+        return force_change(self, same, weights, None, elastic=True)
 
     def energy(self, t: float, q: Floats) -> float:
         """Strain energy [J]."""

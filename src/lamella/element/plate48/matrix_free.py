@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from lamella.element.block import ElementBlock, Range
 from lamella.element.plate48.layout import KernelArguments, seen
-from lamella.element.plate48.tangent_product import point_size, tangent_points, tangent_product
+from lamella.element.plate48.tangent_product import Time, point_size, tangent_points, tangent_product
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, TangentOperator
 from lamella.threads import Workspace
@@ -22,12 +22,12 @@ class ShellTangent(TangentOperator):
         block: the elements.
         arguments: of the kernels, for each part of the section.
         work: of the kernels.
-        time: retardation time c of the viscous force [s].
+        time: retardation time c of the viscous force [s], if there is one.
         elastic: whether there is the elastic force.
     """
 
     def __init__(
-        self, block: ElementBlock, arguments: Sequence[KernelArguments], work: Workspace, time: float = 0.0, elastic: bool = True
+        self, block: ElementBlock, arguments: Sequence[KernelArguments], work: Workspace, time: Time = None, elastic: bool = True
     ) -> None:
         self._over_blocks, self._work, self._time, self._elastic = block.over_blocks, work, time, elastic
         lanes = block.n_block * point_size(time) * WIDTH

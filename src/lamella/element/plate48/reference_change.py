@@ -27,6 +27,7 @@ from lamella.element.plate48.interpolation import (
 )
 from lamella.element.plate48.strain import Cubed, gradient, normal_change, resultants, strains, surface_frame
 from lamella.element.plate48.tangent_product import (
+    Time,
     frame_change,
     gradient_change,
     keep_point,
@@ -67,7 +68,7 @@ def reference_change(
     dq: Floats,
     dv: Floats,
     moves: bool,
-    time: float,
+    time: Time,
     elastic: bool,
     scaled: bool,
     scale_change: Floats,
@@ -83,7 +84,8 @@ def reference_change(
     points: Floats,
     f: Floats,
 ) -> None:
-    """f' / S, f (block, 48), of the viscous force with retardation time c = ``time``, of the elastic one, or of both.
+    """f' / S, f (block, 48), of the viscous force with retardation time c = ``time``, of the elastic one, or of both; without a
+    retardation time of the elastic one.
 
     Args:
         dq, dv: how coordinates and velocities follow the parameter, if they do (``moves``).
@@ -95,14 +97,14 @@ def reference_change(
         others: as in :mod:`lamella.element.plate48.kernels`.
     """
     lines, beside, rates, rates_beside, sums = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n, 48 + 144 * n
-    more, damped, weight = sums + 36 * n, time != 0.0, 1.0 if elastic else 0.0
+    more = sums + 36 * n
     keeps, size = len(points) > 0, point_size(time)
     for block in range(index.size // (48 * WIDTH)):
         gather(q, index, scale, block, work, 0)
         interpolate_eta(work, 0, lines, table, n)
         _gather_change(q, dq, moves, scaled, index, scale_change, scale, block, work)
         interpolate_eta(work, 0, beside, table, n)
-        if damped:
+        if time is not None:
             gather(v, index, scale, block, work, 0)
             interpolate_eta(work, 0, rates, table, n)
             _gather_change(v, dv, moves, scaled, index, scale_change, scale, block, work)
@@ -115,13 +117,13 @@ def reference_change(
                 m, d1, d2 = frame = surface_frame(g[0], g[1], cubed)
                 turned = frame_change(y, frame, cubed)
                 s, ds = strains(g, m, reference(sections, at)), strain_rates(g, y, m, turned[0])
-                ds = weighted6(weight, ds, -weight, reference(change, at))
-                s = weighted6(weight, s, 0.0, s)
-                if damped:
+                ds = weighted6(1.0, ds, -1.0, reference(change, at))
+                if time is not None:
+                    weight = 1.0 if elastic else 0.0
                     g_rate, y_rate = interpolate_xi(work, rates, table, i, j), interpolate_xi(work, rates_beside, table, i, j)
                     m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
-                    s = weighted6(1.0, s, time, strain_rates(g, g_rate, m, m_rate))
-                    ds = weighted6(1.0, ds, time, rates_change(g, g_rate, y, m_rate, frame, turned, cubed))
+                    s = weighted6(weight, s, time, strain_rates(g, g_rate, m, m_rate))
+                    ds = weighted6(weight, ds, time, rates_change(g, g_rate, y, m_rate, frame, turned, cubed))
                     if keeps:
                         keep_rates(points, to, g_rate, m_rate)
                     m_rate = normal_change(y_rate[0], y_rate[1], m, d1, d2, cubed)

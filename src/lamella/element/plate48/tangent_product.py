@@ -46,6 +46,8 @@ from lamella.roles import Floats, Ints
 
 Frame = tuple[Vector, Vector, Vector]
 """m, d1, d2, or their changes along y."""
+Time = float | None
+"""Retardation time [s]; kernels are compiled apart for those without."""
 
 
 @inlined
@@ -131,7 +133,7 @@ def tangent_points(
     q: Floats,
     v: Floats,
     alpha_q: float,
-    time: float,
+    time: Time,
     elastic: bool,
     index: Ints,
     scale: Floats,
@@ -144,15 +146,15 @@ def tangent_points(
 ) -> None:
     """What all products at (q, v) need, in ``point_size(time)`` lanes of ``points`` for each Gauss point.
 
-    These are g, m, d1, d2 and alpha_q N, and where the retardation time c = ``time`` is not zero, gdot and mdot.
+    These are g, m, d1, d2 and alpha_q N, and where there is a retardation time c = ``time``, gdot and mdot.
     """
-    lines, rates, size, damped = 48, 48 + 36 * n, point_size(time), time != 0.0
+    lines, rates, size = 48, 48 + 36 * n, point_size(time)
     for block in range(index.size // (48 * WIDTH)):
-        if damped:
-            gather_both(q, v, index, scale, block, table, n, work)
-        else:
+        if time is None:
             gather(q, index, scale, block, work, 0)
             interpolate_eta(work, 0, lines, table, n)
+        else:
+            gather_both(q, v, index, scale, block, table, n, work)
         for j in range(n):
             for i in range(n):
                 g = interpolate_xi(work, lines, table, i, j)
@@ -160,7 +162,7 @@ def tangent_points(
                 at, to = constants_at(sections, block, n, i, j), ((block * n + j) * n + i) * size
                 s = strains(g, m, reference(sections, at))
                 s = weighted6(alpha_q if elastic else 0.0, s, 0.0, s)
-                if damped:
+                if time is not None:
                     g_rate = interpolate_xi(work, rates, table, i, j)
                     m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
                     s = weighted6(1.0, s, alpha_q * time, strain_rates(g, g_rate, m, m_rate))
@@ -187,9 +189,9 @@ def keep_rates(points: Floats, at: int, g_rate: tuple[Vector, ...], m_rate: Vect
 
 
 @inlined
-def point_size(time: float) -> int:
+def point_size(time: Time) -> int:
     """Lanes kept of a Gauss point."""
-    return 48 if time != 0.0 else 30
+    return 30 if time is None else 48
 
 
 @shared
@@ -197,7 +199,7 @@ def tangent_product(
     x: Floats,
     alpha_q: float,
     alpha_v: float,
-    time: float,
+    time: Time,
     elastic: bool,
     index: Ints,
     scale: Floats,
@@ -213,8 +215,9 @@ def tangent_product(
 
     Of the viscous force with the retardation time c = ``time``, of the elastic one (``elastic``), or of both.
     """
-    lines, sums, size = 48, 48 + 36 * n, point_size(time)
-    damped, weight = time != 0.0, time * alpha_v + (alpha_q if elastic else 0.0)
+    lines, sums, size, weight = 48, 48 + 36 * n, point_size(time), alpha_q if elastic else 0.0
+    if time is not None:
+        weight += time * alpha_v
     for block in range(index.size // (48 * WIDTH)):
         gather(x, index, scale, block, work, 0)
         interpolate_eta(work, 0, lines, table, n)
@@ -227,7 +230,7 @@ def tangent_product(
                 change = frame_change(y, frame, cubed)
                 ds = strain_rates(g, y, m, change[0])
                 ds = weighted6(weight, ds, 0.0, ds)
-                if damped:
+                if time is not None:
                     g_rate, m_rate = _kept5(points, kept + 30), three(points, kept + 45)
                     of_rates = rates_change(g, g_rate, y, m_rate, frame, change, cubed)
                     ds = weighted6(1.0, ds, alpha_q * time, of_rates)
