@@ -54,8 +54,9 @@ class Nodes:
 
     Attributes:
         slopes: first coordinate of r_x and of r_y of each node, shape (n_node, 2).
-        places: first coordinate of each of their vectors that is whole, shape (n_vector,).
+        places: first coordinate of each of their vectors that is whole, in order, shape (n_vector,).
         owners: the node of each, shape (n_vector,).
+        others: all other independent coordinates.
         slenderness: L (tr A / tr D)^(1/2) of the most slender plate, with its length L, membrane stiffness A and bending
             stiffness D: 12^(1/2) L/h of one material.
     """
@@ -78,7 +79,10 @@ class Nodes:
             owners.append(np.broadcast_to(number[:, None], chosen.shape)[chosen])
             count += int(np.count_nonzero(turning))
         self.slenderness = max((_slenderness(plate) for plate in equations.model.plates), default=0.0)
-        self.slopes, self.places, self.owners = (np.concatenate(parts) for parts in (slopes, places, owners))
+        self.slopes, places, owners = (np.concatenate(parts) for parts in (slopes, places, owners))
+        order = np.argsort(places)
+        self.places, self.owners = places[order], owners[order]
+        self.others = np.setdiff1d(np.arange(len(independent)), self.places[:, None] + np.arange(3))
 
 
 def _slenderness(plate: PlateMesh) -> float:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lamella._jit import kernel
-from lamella.lane import number_at, put_at, sqrt
+from lamella._jit import inlined, kernel
+from lamella.lane import WIDTH, load_at, number_at, put_at, sqrt, store_at
 from lamella.roles import Floats, Ints
 from lamella.solve.base import LinearSolver
 from lamella.solve.turned import Nodes, TurnedSolver, Vectors
@@ -14,6 +14,7 @@ APART = 6.0
 """How far nodes may have turned against each other [rad], entry by entry of their rotations, times the slenderness. Below, plates
 that swing or unfold cost up to a third less; above, one of 1.5 mm that is struck so that its slopes change by a tenth in a step
 costs a tenth more."""
+Vector = tuple[float, float, float]
 
 
 class NodeTurns:
@@ -26,31 +27,28 @@ class NodeTurns:
 
     def __init__(self, nodes: Nodes) -> None:
         self._nodes = nodes
-        self._start, self._frames, self._turns, self._returns = np.zeros((4, len(nodes.slopes), 3, 3))
+        self._start, self._turns, self._returns = np.zeros((3, 9 * len(nodes.slopes) + WIDTH))
 
     def begin(self, u: Floats) -> None:
         """Take the independent coordinates of the first place."""
-        _frames(u, self._nodes.slopes, self._start)
+        _begin(u, self._nodes.slopes, self._start)
 
     def turn(self, u: Floats) -> float:
         """Take those of the second one; how far the nodes have turned against each other [rad], entry by entry of R_k."""
-        _frames(u, self._nodes.slopes, self._frames)
-        apart = _between(self._start, self._frames, self._turns)
-        self._returns[:] = self._turns.transpose(0, 2, 1)
-        return apart
+        return _between(u, self._nodes.slopes, self._start, self._turns, self._returns)
 
     def forth(self, x: Floats) -> Floats:
         """Q x."""
-        return self._turned(self._turns, x)
+        return self._turned(self._returns, x)
 
     def back(self, x: Floats) -> Floats:
         """Q^T x."""
-        return self._turned(self._returns, x)
+        return self._turned(self._turns, x)
 
-    def _turned(self, turns: Floats, x: Floats) -> Floats:
-        there = np.empty_like(x)
-        _turn(turns, self._nodes.places, self._nodes.owners, x, there)
-        return there
+    def _turned(self, columns: Floats, x: Floats) -> Floats:
+        nodes, there = self._nodes, np.empty(len(x) + WIDTH)
+        _turn(columns, nodes.places, nodes.owners, nodes.others, x, there)
+        return there[: len(x)]
 
 
 class NodeTurnedSolver(TurnedSolver):
@@ -107,43 +105,52 @@ def turned_solver(linear: LinearSolver, vectors: Vectors) -> TurnedSolver | None
     return TurnedSolver(linear, vectors) if len(vectors.slopes) else None
 
 
+@inlined
+def _frame(q: Floats, slopes: Ints, k: int) -> tuple[Vector, Vector, Vector]:
+    """The columns t, m x t, m of the frame of a node."""
+    i, j = slopes[k, 0], slopes[k, 1]
+    a0, a1, a2, b0, b1, b2 = q[i], q[i + 1], q[i + 2], q[j], q[j + 1], q[j + 2]
+    a, b = 1.0 / sqrt(a0 * a0 + a1 * a1 + a2 * a2), 1.0 / sqrt(b0 * b0 + b1 * b1 + b2 * b2)
+    m0, m1, m2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
+    t0, t1, t2 = a * a0 + b * b0, a * a1 + b * b1, a * a2 + b * b2
+    m, t = 1.0 / sqrt(m0 * m0 + m1 * m1 + m2 * m2), 1.0 / sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    m0, m1, m2, t0, t1, t2 = m * m0, m * m1, m * m2, t * t0, t * t1, t * t2
+    return (t0, t1, t2), (m1 * t2 - m2 * t1, m2 * t0 - m0 * t2, m0 * t1 - m1 * t0), (m0, m1, m2)
+
+
 @kernel
-def _frames(q: Floats, slopes: Ints, frames: Floats) -> None:
+def _begin(q: Floats, slopes: Ints, start: Floats) -> None:
+    """The columns of the frames of all nodes, one after the other."""
     for k in range(len(slopes)):
-        i, j = slopes[k, 0], slopes[k, 1]
-        a0, a1, a2, b0, b1, b2 = q[i], q[i + 1], q[i + 2], q[j], q[j + 1], q[j + 2]
-        a, b = 1.0 / sqrt(a0 * a0 + a1 * a1 + a2 * a2), 1.0 / sqrt(b0 * b0 + b1 * b1 + b2 * b2)
-        m0, m1, m2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
-        t0, t1, t2 = a * a0 + b * b0, a * a1 + b * b1, a * a2 + b * b2
-        m, t = 1.0 / sqrt(m0 * m0 + m1 * m1 + m2 * m2), 1.0 / sqrt(t0 * t0 + t1 * t1 + t2 * t2)
-        m0, m1, m2, t0, t1, t2 = m * m0, m * m1, m * m2, t * t0, t * t1, t * t2
-        frames[k, 0, 0], frames[k, 1, 0], frames[k, 2, 0] = t0, t1, t2
-        frames[k, 0, 1], frames[k, 1, 1], frames[k, 2, 1] = m1 * t2 - m2 * t1, m2 * t0 - m0 * t2, m0 * t1 - m1 * t0
-        frames[k, 0, 2], frames[k, 1, 2], frames[k, 2, 2] = m0, m1, m2
+        t, s, m = _frame(q, slopes, k)
+        for i in range(3):
+            put_at(start, 9 * k + i, t[i])
+            put_at(start, 9 * k + 3 + i, s[i])
+            put_at(start, 9 * k + 6 + i, m[i])
 
 
 @kernel
-def _between(start: Floats, frames: Floats, turns: Floats) -> float:
-    """The rotation of each node, and their largest difference from that of the first."""
+def _between(q: Floats, slopes: Ints, start: Floats, turns: Floats, returns: Floats) -> float:
+    """The rotation of each node with its transpose, row by row, and their largest difference from that of the first."""
     apart = 0.0
-    for k in range(len(frames)):
+    for k in range(len(slopes)):
+        t, s, m = _frame(q, slopes, k)
         for i in range(3):
             for j in range(3):
-                total = 0.0
-                for c in range(3):
-                    total += frames[k, i, c] * start[k, j, c]
-                turns[k, i, j] = total
-                apart = max(apart, abs(total - turns[0, i, j]))
+                at = 9 * k + j
+                total = t[i] * number_at(start, at) + s[i] * number_at(start, at + 3) + m[i] * number_at(start, at + 6)
+                put_at(turns, 9 * k + 3 * i + j, total)
+                put_at(returns, 9 * k + 3 * j + i, total)
+                apart = max(apart, abs(total - number_at(turns, 3 * i + j)))
     return apart
 
 
 @kernel
-def _turn(turns: Floats, places: Ints, owners: Ints, x: Floats, y: Floats) -> None:
-    for i in range(len(x)):
-        y[i] = x[i]
+def _turn(columns: Floats, places: Ints, owners: Ints, others: Ints, x: Floats, y: Floats) -> None:
+    """y = Q x with the columns of the rotations; a lane's surplus numbers are overwritten by the next, or lie behind the last."""
     for k in range(len(places)):
         i, n = number_at(places, k), 9 * number_at(owners, k)
-        a, b, c = number_at(x, i), number_at(x, i + 1), number_at(x, i + 2)
-        put_at(y, i, number_at(turns, n) * a + number_at(turns, n + 1) * b + number_at(turns, n + 2) * c)
-        put_at(y, i + 1, number_at(turns, n + 3) * a + number_at(turns, n + 4) * b + number_at(turns, n + 5) * c)
-        put_at(y, i + 2, number_at(turns, n + 6) * a + number_at(turns, n + 7) * b + number_at(turns, n + 8) * c)
+        lane = number_at(x, i) * load_at(columns, n) + number_at(x, i + 1) * load_at(columns, n + 3)
+        store_at(y, i, lane + number_at(x, i + 2) * load_at(columns, n + 6))
+    for k in range(len(others)):
+        put_at(y, number_at(others, k), number_at(x, number_at(others, k)))
