@@ -47,21 +47,33 @@ class Mass:
     @cached_property
     def diagonal(self) -> Floats:
         """That of T^T M T, shape (n_u,)."""
-        T = self._T
-        return (T.T @ whole_mass(self._model.vector_mass, len(T.indptr) - 1) @ T).diagonal()
+        T, m = self._T, self._model.vector_mass
+        by_vectors = reduced(m, T)
+        if by_vectors is None:
+            return (T.T @ whole_mass(m, len(T.indptr) - 1) @ T).diagonal()
+        massive = np.repeat(by_vectors.diagonal(), 3)
+        found = np.zeros(int(T.indices.max()) + 1)  # each independent coordinate is one of all
+        found[: len(massive)] = massive
+        return found
 
 
 def in_independent(m: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:
-    """T^T (m x 1_3) T; None where it does not go by vectors.
+    """T^T (m x 1_3) T; None where it does not go by vectors; arguments as for :func:`reduced`."""
+    by_vectors = reduced(m, T)
+    if by_vectors is not None:
+        return VectorOperator(by_vectors)
+    return VectorOperator.within(sparse.csr_array(T.T @ whole_mass(m, len(T.indptr) - 1) @ T))
+
+
+def reduced(m: sparse.csr_array, T: sparse.csr_array) -> sparse.csr_array | None:
+    """t^T m t where T = t x 1_3 in the rows of vectors; else, and where there is no mass, None.
 
     Args:
         m: of the vectors, sparse (n_vectors, n_vectors).
         T: map from independent to all coordinates, (n_q, n_u); fields behind the vectors have no mass.
     """
-    by_vectors = of_vectors(T, len(m.indptr) - 1)
-    if by_vectors is not None and m.nnz:
-        return VectorOperator(sparse.csr_array(by_vectors.T @ m @ by_vectors))
-    return VectorOperator.within(sparse.csr_array(T.T @ whole_mass(m, len(T.indptr) - 1) @ T))
+    t = of_vectors(T, len(m.indptr) - 1)
+    return sparse.csr_array(t.T @ m @ t) if t is not None and m.nnz else None
 
 
 def of_vectors(T: sparse.csr_array, n: int) -> sparse.csr_array | None:

@@ -162,14 +162,15 @@ class _MassDifference:
     """dM/dp = m x 1_3."""
 
     def __init__(self, base: Equations, m: sparse.csr_array) -> None:
-        self._base, self._in_all = base, VectorOperator(m)
+        self._base = base
         self._in_independent = None if base.elimination.moves else in_independent(m, base.elimination.T)
+        self._in_all = None if self._in_independent else VectorOperator(m)
 
     def add_force(self, point: Point, r: Floats) -> None:
         """Add T^T dM/dp a to r, with all accelerations a = T udd and those of supports."""
         if self._in_independent:
             self._in_independent.onto(point.udd, r)
-        else:
+        elif self._in_all:
             self._base.gather.onto(self._in_all(self._base.accelerations(point)), r)
 
 
