@@ -133,7 +133,7 @@ class Multifrontal(SymmetricFactor):
         x = np.empty_like(rows)
         for first in range(0, len(rows), WIDTH):
             some = rows[first : first + WIDTH]
-            if len(some) >= SEVERAL:
+            if len(some) >= SEVERAL and self._scaled is None:  # each integer would be made a number by itself
                 self._solve_columns(some, x[first : first + WIDTH])
             else:
                 for i, row in enumerate(some, first):
