@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from lamella.assembly.mass import in_independent, of_vectors
+import lamella as lm
+from lamella.assembly.equations import Equations
+from lamella.assembly.mass import in_independent, of_vectors, reduced
 from lamella.assembly.operator import SumOperator, VectorOperator
 from lamella.inertia import differenced, vector_mass, whole_mass
 
@@ -51,6 +53,22 @@ def test_fields_without_mass_lie_behind_the_vectors(fields):
     x, given = numbers(18 + fields), numbers(18 + fields)
     assert np.allclose(operator(x), M @ x, rtol=0.0, atol=ROUNDING)
     assert np.allclose(operator.onto(x, given.copy()), given + M @ x, rtol=0.0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_diagonal_of_the_mass_is_that_of_its_products(whole):
+    """Of a heated plate, whose fields have no mass, by vectors and where a support holds single components."""
+    ply = lm.Lamina(E1=181e9, E2=10.3e9, G12=7.7e9, nu12=0.28, rho=1560.0, alpha1=0.0, alpha2=3e-5, k1=5.0, k2=0.7, c=900.0)
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.5), (3, 2), lm.Laminate(ply, angles=(0.0, 90.0, 0.0), thickness=4e-3)))
+    edge = plate.edge("x-")
+    system.add(lm.Clamp("root", edge) if whole else lm.EdgeSupport("root", edge, "z"))
+    system.add(lm.TemperatureField("heat", plate))
+    equations = Equations(system.compile())
+    assert (reduced(equations.model.vector_mass, equations.elimination.T) is not None) == whole
+    expected = [equations.inertia_force(unit)[i] for i, unit in enumerate(np.eye(equations.n_u))]
+    assert equations.n_u > equations.n_motion
+    np.testing.assert_allclose(equations.mass.diagonal, expected, rtol=1e-12, atol=1e-15)
 
 
 def test_mass_that_treats_components_differently_does_not_go_by_vectors():

@@ -158,10 +158,12 @@ class ExactMatrix:
             self._by_gradients.forget()
 
     def measure_by_energy(self, wanted: bool) -> bool:
-        """Solve by conjugate gradients at the present point, where A is symmetric and B near it, of an earlier point; else by
-        residuals, in magnitudes. To be said before solutions are asked for; whether that is so now.
+        """Solve by conjugate gradients at the present point, where A is symmetric and B near it, of an earlier point, and where
+        all its energies are of motion; else by residuals, in magnitudes. To be said before solutions are asked for; whether that
+        is so now.
         """
-        possible = wanted and self._outlasts and self.equations.is_exact
+        of_motion = self.equations.n_u == self.equations.n_motion  # beside heat, what a motion lacks would not be seen
+        possible = wanted and of_motion and self._outlasts and self.equations.is_exact
         if not possible:
             self._by_gradients = None
         elif self._by_gradients is None:
