@@ -14,6 +14,7 @@ from lamella.assembly.point import Weights
 from lamella.math.rotation import matrix_from_vector
 from lamella.solve.linear import linear_solver
 from lamella.solve.turned import TurnedSolver, Vectors
+from lamella.solve.turned_nodes import NodeTurns
 
 SECTION = lm.Laminate(lm.Isotropic(E=2e9, nu=0.3, rho=1200.0), thickness=0.004)
 WEIGHTS = Weights(1.0, 20.0, 400.0)
@@ -115,3 +116,40 @@ def test_a_turning_hub_and_blade_keep_their_factorisation(monkeypatch):
     assert with_it.factorisations < 0.2 * without.factorisations  # 4 and 95
     assert with_it.newton_iterations < 0.8 * without.newton_iterations  # 834 and 1322
     np.testing.assert_allclose(runs[0]["tip.position"].values, runs[1]["tip.position"].values, atol=1e-6)
+
+
+@pytest.mark.parametrize("heated", [False, True])
+def test_vectors_turn_with_their_nodes_and_all_else_stays(heated):
+    """Of a plate with an edge that is held across, where components are left out, and with or without its temperatures."""
+    ply = lm.Lamina(E1=181e9, E2=10.3e9, G12=7.7e9, nu12=0.28, rho=1560.0, alpha1=0.0, alpha2=3e-5, k1=5.0, k2=0.7, c=900.0)
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.5), (3, 2), lm.Laminate(ply, angles=(0.0, 90.0, 0.0), thickness=4e-3)))
+    system.add(lm.EdgeSupport("edge", plate.edge("x-"), "z"))
+    if heated:
+        system.add(lm.TemperatureField("heat", plate))
+    equations = Equations(system.compile())
+    nodes = Vectors(equations).nodes
+    assert nodes is not None
+    rng, start = np.random.default_rng(4), equations.start().u
+    there = start + 0.3 * rng.standard_normal(len(start))
+    turns = NodeTurns(nodes)
+    turns.begin(start)
+    turns.turn(there)
+    x, expected = rng.standard_normal((2, equations.n_u))
+    expected[:] = x
+    frames = [[frame(u[i : i + 3], u[j : j + 3]) for i, j in nodes.slopes] for u in (start, there)]
+    for place, owner in zip(nodes.places, nodes.owners, strict=True):
+        expected[place : place + 3] = frames[1][owner] @ frames[0][owner].T @ x[place : place + 3]
+    assert (equations.n_u > equations.n_motion) == heated
+    assert len(nodes.others) > 0
+    assert nodes.others.max() < equations.n_motion
+    for n in (equations.n_motion, equations.n_u):  # staggered steps solve for motion alone
+        np.testing.assert_allclose(turns.forth(x[:n].copy()), expected[:n], atol=1e-14)
+        np.testing.assert_allclose(turns.back(expected[:n].copy()), x[:n], atol=1e-14)
+
+
+def frame(a, b):
+    """Of a node with the slopes a and b: the bisector of their directions, the normal, and what is normal to both."""
+    t, m = a / np.linalg.norm(a) + b / np.linalg.norm(b), np.cross(a, b)
+    t, m = t / np.linalg.norm(t), m / np.linalg.norm(m)
+    return np.stack([t, np.cross(m, t), m], axis=1)

@@ -56,7 +56,8 @@ class Nodes:
         slopes: first coordinate of r_x and of r_y of each node, shape (n_node, 2).
         places: first coordinate of each of their vectors that is whole, in order, shape (n_vector,).
         owners: the node of each, shape (n_vector,).
-        others: all other independent coordinates.
+        others: all other independent coordinates of motion.
+        n_motion: number of independent coordinates of motion; those of fields lie behind them, unless they are left out.
         slenderness: L (tr A / tr D)^(1/2) of the most slender plate, with its length L, membrane stiffness A and bending
             stiffness D: 12^(1/2) L/h of one material.
     """
@@ -82,7 +83,8 @@ class Nodes:
         self.slopes, places, owners = (np.concatenate(parts) for parts in (slopes, places, owners))
         order = np.argsort(places)
         self.places, self.owners = places[order], owners[order]
-        self.others = np.setdiff1d(np.arange(len(independent)), self.places[:, None] + np.arange(3))
+        self.n_motion = equations.n_motion
+        self.others = np.setdiff1d(np.arange(self.n_motion), self.places[:, None] + np.arange(3))
 
 
 def _slenderness(plate: PlateMesh) -> float:

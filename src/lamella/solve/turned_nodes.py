@@ -47,7 +47,7 @@ class NodeTurns:
 
     def _turned(self, columns: Floats, x: Floats) -> Floats:
         nodes, there = self._nodes, np.empty(len(x) + WIDTH)
-        _turn(columns, nodes.places, nodes.owners, nodes.others, x, there)
+        _turn(columns, nodes.places, nodes.owners, nodes.others, nodes.n_motion, x, there)
         return there[: len(x)]
 
 
@@ -146,7 +146,7 @@ def _between(q: Floats, slopes: Ints, start: Floats, turns: Floats, returns: Flo
 
 
 @kernel
-def _turn(columns: Floats, places: Ints, owners: Ints, others: Ints, x: Floats, y: Floats) -> None:
+def _turn(columns: Floats, places: Ints, owners: Ints, others: Ints, n_motion: int, x: Floats, y: Floats) -> None:
     """y = Q x with the columns of the rotations; a lane's surplus numbers are overwritten by the next, or lie behind the last."""
     for k in range(len(places)):
         i, n = number_at(places, k), 9 * number_at(owners, k)
@@ -154,3 +154,5 @@ def _turn(columns: Floats, places: Ints, owners: Ints, others: Ints, x: Floats, 
         store_at(y, i, lane + number_at(x, i + 2) * load_at(columns, n + 6))
     for k in range(len(others)):
         put_at(y, number_at(others, k), number_at(x, number_at(others, k)))
+    for i in range(n_motion, len(x)):
+        y[i] = x[i]
