@@ -392,6 +392,19 @@ def test_a_heated_panel_is_differentiated_at_the_tolerance_by_default() -> None:
     assert found() == pytest.approx(found(tolerance=1e-10, max_iterations=50, keep=0.6), rel=2e-4)
 
 
+@pytest.mark.parametrize("heated", [False, True])
+def test_energies_of_heat_are_not_added_to_those_of_motion(heated: bool) -> None:
+    """A plate with temperatures that motion does not change has a symmetric matrix, whose parts have different units."""
+    ply = lm.Lamina(E1=181e9, E2=10.3e9, G12=7.7e9, nu12=0.28, rho=1560.0, alpha1=0.0, alpha2=3e-5, k1=5.0, k2=0.7, c=900.0)
+    system = lm.System()
+    plate = system.add(lm.Plate("plate", (1.0, 0.5), (3, 2), lm.Laminate(ply, angles=(0.0, 90.0, 0.0), thickness=4e-3)))
+    system.add(lm.Clamp("root", plate.edge("x-")))
+    if heated:
+        system.add(lm.TemperatureField("heat", plate))
+    equations = Equations(system.compile())
+    assert ExactMatrix(equations).measure_by_energy(True) == (not heated)
+
+
 def test_run_is_the_same_to_the_last_digit_where_derivatives_need_no_matrix_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exact_matrix, "_products_for", lambda _: 1e6)
     method = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8)

@@ -162,16 +162,15 @@ class _MassDifference:
     """dM/dp = m x 1_3."""
 
     def __init__(self, base: Equations, m: sparse.csr_array) -> None:
-        self._base = base
-        self._in_independent = None if base.elimination.moves else in_independent(m, base.elimination.T)
-        self._in_all = None if self._in_independent else VectorOperator(m)
+        reduced = None if base.elimination.moves else in_independent(m, base.elimination.T)
+        self._base, self._is_reduced, self._times = base, reduced is not None, reduced or VectorOperator(m)
 
     def add_force(self, point: Point, r: Floats) -> None:
         """Add T^T dM/dp a to r, with all accelerations a = T udd and those of supports."""
-        if self._in_independent:
-            self._in_independent.onto(point.udd, r)
-        elif self._in_all:
-            self._base.gather.onto(self._in_all(self._base.accelerations(point)), r)
+        if self._is_reduced:
+            self._times.onto(point.udd, r)
+        else:
+            self._base.gather.onto(self._times(self._base.accelerations(point)), r)
 
 
 class _Parts:
