@@ -29,7 +29,10 @@ def differenced(models: Sequence[Sequence[InertiaBlock]], weights: Sequence[floa
 
 def _entries(blocks: Iterable[InertiaBlock]) -> tuple[Ints, Ints, Floats]:
     nothing = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-    i, j, m = (np.concatenate(part) for part in zip(nothing, *(block.mass() for block in blocks), strict=True))
+    first, *others = [block.mass() for block in blocks] or [nothing]
+    if not others:
+        return first
+    i, j, m = (np.concatenate(part) for part in zip(first, *others, strict=True))
     return i, j, m
 
 

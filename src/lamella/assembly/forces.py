@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy import sparse
 from lamella.assembly.expand import through
 from lamella.assembly.operator import SumOperator
 from lamella.assembly.point import Weights
-from lamella.roles import Floats, Force, ForceBlock
+from lamella.roles import Floats, Force, ForceBlock, Ints
 
 Block = TypeVar("Block", bound=Force)
 
@@ -45,24 +46,35 @@ class ForceSum(Generic[Block]):
         self._t = np.nan
         self._in_all: Floats | None = None
         self._in_independent: Floats | None = None
+        self._to, self._like = (n_q, T), like
+        self._shares = [1.0] * len(blocks) if weights is None else weights
+
+    @cached_property
+    def _form(self) -> tuple[Ints, Floats]:
+        """Coordinate and factor of each entry of the buffer."""
+        blocks = [block for block, _ in self.parts]
         coords = np.concatenate([np.zeros(0, np.int64), *(block.f_coords for block in blocks)])
-        shares = [1.0] * len(blocks) if weights is None else weights
-        factors = np.concatenate([np.zeros(0), *(w * block.f_scale for w, block in zip(shares, blocks, strict=True))])
-        self._form = coords, factors
-        if like is not None and all(map(np.array_equal, self._form, like._form)):
-            self._sum, self._reduce = like._sum, like._reduce
-            return
+        factors = np.concatenate([np.zeros(0), *(w * block.f_scale for w, block in zip(self._shares, blocks, strict=True))])
+        return coords, factors
+
+    @cached_property
+    def _operators(self) -> tuple[SumOperator, SumOperator]:
+        """The sums in all coordinates and in the independent ones; made when first asked for, as some never are."""
+        if self._like is not None and all(map(np.array_equal, self._form, self._like._form)):
+            return self._like._operators
+        (coords, factors), (n_q, T) = self._form, self._to
         used = np.flatnonzero(coords >= 0)
-        self._sum = self._reduce = SumOperator(coords[used], used, factors[used], n_q)
-        if T is not None:
-            independent, pick, shares = through(coords[used], factors[used], T)
-            n_u = int(T.indices.max(initial=-1)) + 1  # each independent coordinate is one of all, so the last has an entry
-            self._reduce = SumOperator(independent, used[pick], shares, n_u)
+        in_all = SumOperator(coords[used], used, factors[used], n_q)
+        if T is None:
+            return in_all, in_all
+        independent, pick, shares = through(coords[used], factors[used], T)
+        n_u = int(T.indices.max(initial=-1)) + 1  # each independent coordinate is one of all, so the last has an entry
+        return in_all, SumOperator(independent, used[pick], shares, n_u)
 
     @property
     def reduction(self) -> SumOperator:
         """T^T times the sum, as a product with the buffer."""
-        return self._reduce
+        return self._operators[1]
 
     def evaluate(self, t: float, q: Floats, v: Floats) -> None:
         """Let all blocks write their parts of the buffer."""
@@ -99,7 +111,7 @@ class ForceSum(Generic[Block]):
         for block, part in self.parts:
             block.damping_force(t, q, v, part)
         self.forget()
-        return self._sum(self.buffer)
+        return self._operators[0](self.buffer)
 
     def forget(self) -> None:
         """Evaluate everything anew, also at the same time: an input has changed."""
@@ -116,7 +128,7 @@ class ForceSum(Generic[Block]):
     def summed(self) -> Floats:
         """The sum of what the buffer holds now, shape (n_q,); not to be written to."""
         if self._in_all is None:
-            self._in_all = self._sum(self.buffer)
+            self._in_all = self._operators[0](self.buffer)
         return self._in_all
 
     def written(self) -> None:
@@ -126,9 +138,9 @@ class ForceSum(Generic[Block]):
     def reduced(self) -> Floats:
         """T^T times the sum of what the buffer holds now, shape (n_u,); not to be written to."""
         if self._in_independent is None:
-            self._in_independent = self._reduce(self.buffer)
+            self._in_independent = self._operators[1](self.buffer)
         return self._in_independent
 
     def onto(self, r: Floats) -> Floats:
         """Add T^T times the sum of what the buffer holds now to ``r`` (n_u,) and return it; the sum is not kept."""
-        return self._reduce.onto(self.buffer, r)
+        return self._operators[1].onto(self.buffer, r)

@@ -42,15 +42,18 @@ class Mass:
         """T^T M T; None where it does not go by vectors, since three products are faster then."""
         if self._same:
             return self._same.in_independent
-        return in_independent(self._model.vector_mass, self._T)
+        return _operator(self._by_vectors, self._model.vector_mass, self._T)
+
+    @cached_property
+    def _by_vectors(self) -> sparse.csr_array | None:
+        return reduced(self._model.vector_mass, self._T)
 
     @cached_property
     def diagonal(self) -> Floats:
         """That of T^T M T, shape (n_u,)."""
-        T, m = self._T, self._model.vector_mass
-        by_vectors = reduced(m, T)
+        T, by_vectors = self._T, self._by_vectors
         if by_vectors is None:
-            return (T.T @ whole_mass(m, len(T.indptr) - 1) @ T).diagonal()
+            return (T.T @ whole_mass(self._model.vector_mass, len(T.indptr) - 1) @ T).diagonal()
         massive = np.repeat(by_vectors.diagonal(), 3)
         found = np.zeros(int(T.indices.max()) + 1)  # each independent coordinate is one of all
         found[: len(massive)] = massive
@@ -59,7 +62,10 @@ class Mass:
 
 def in_independent(m: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:
     """T^T (m x 1_3) T; None where it does not go by vectors; arguments as for :func:`reduced`."""
-    by_vectors = reduced(m, T)
+    return _operator(reduced(m, T), m, T)
+
+
+def _operator(by_vectors: sparse.csr_array | None, m: sparse.csr_array, T: sparse.csr_array) -> VectorOperator | None:
     if by_vectors is not None:
         return VectorOperator(by_vectors)
     return VectorOperator.within(sparse.csr_array(T.T @ whole_mass(m, len(T.indptr) - 1) @ T))
@@ -73,7 +79,12 @@ def reduced(m: sparse.csr_array, T: sparse.csr_array) -> sparse.csr_array | None
         T: map from independent to all coordinates, (n_q, n_u); fields behind the vectors have no mass.
     """
     t = of_vectors(T, len(m.indptr) - 1)
-    return sparse.csr_array(t.T @ m @ t) if t is not None and m.nnz else None
+    if t is None or not m.nnz:
+        return None
+    if np.all(t.data == 1.0) and len(np.unique(t.indices)) == t.nnz == np.count_nonzero(np.diff(t.indptr)):
+        chosen = np.flatnonzero(np.diff(t.indptr))[np.argsort(t.indices)]  # supports hold the others
+        return m[chosen][:, chosen]
+    return sparse.csr_array(t.T @ m @ t)
 
 
 def of_vectors(T: sparse.csr_array, n: int) -> sparse.csr_array | None:

@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike
 
 from lamella.roles import Floats
 
+ROUNDING = 1e-12
+"""Share by which elements of a mesh differ that are alike: of coordinates that are a thousand elements away from 0."""
+
 
 class ElementSpec(ABC):
     """A four-node shell element on the unit square 0 <= xi, eta <= 1 whose coordinates are vectors at the nodes.
@@ -71,6 +74,19 @@ class ElementSpec(ABC):
         """
         l_x, l_y = np.asarray(l_x, float), np.asarray(l_y, float)
         return np.stack([l_x**px * l_y**py for px, py in self._powers()] * len(self.nodes), axis=-1)
+
+    def repeats(self, coordinates: Floats) -> bool:
+        """Whether all elements of a mesh are the first one displaced, but for rounding.
+
+        Args:
+            coordinates: scaled coordinates, shape (n_element, 3 n_shape).
+        """
+        vectors = coordinates.reshape(len(coordinates), self.n_shape, 3)
+        change = vectors - vectors[:1]
+        change[:, :: self.vectors_per_node] -= change[:, :1]  # of positions, which come first at each node
+        corners = vectors[0, :: self.vectors_per_node]
+        size = min(np.linalg.norm(corners[1] - corners[0]), np.linalg.norm(corners[3] - corners[0]))
+        return bool(np.abs(change).max() <= ROUNDING * size)
 
     @abstractmethod
     def shape(self, xi: ArrayLike, eta: ArrayLike) -> Floats:

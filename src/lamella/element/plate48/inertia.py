@@ -51,12 +51,17 @@ class ShellInertia(InertiaBlock):
 
     @cached_property
     def _values(self) -> Floats:
+        """Masses of all entries, shape (n_element, n_shape, n_shape)."""
+        n, factors = len(self._rest), self._factors
+        own = slice(1) if self._element.repeats(self._rest) else slice(n)
         shape = shape_at_gauss_points(self._element, self._n_gauss)
-        area = areas_of(self.name, derivatives_at_points(shape[:3], self._rest))
-        weights = self._density[:, None] * gauss_points(self._n_gauss)[2] * area
+        area = areas_of(self.name, derivatives_at_points(shape[:3], self._rest[own]))
         products = (shape[0][:, :, None] * shape[0][:, None, :]).reshape(len(shape[0]), -1)
-        matrices = (weights @ products).reshape(len(weights), *[shape.shape[-1]] * 2)
-        return matrices * self._factors[:, :, None] * self._factors[:, None, :]
+        matrices = (gauss_points(self._n_gauss)[2] * area @ products).reshape(-1, *[shape.shape[-1]] * 2)
+        if len(matrices) == 1 and np.all(factors == factors[0]) and np.all(self._density == self._density[0]):
+            one = self._density[0] * matrices[0] * factors[0][:, None] * factors[0]
+            return np.broadcast_to(one, (n, *one.shape))
+        return self._density[:, None, None] * matrices * factors[:, :, None] * factors[:, None, :]
 
     def mass(self) -> tuple[Ints, Ints, Floats]:
         """Vectors and masses of all entries."""

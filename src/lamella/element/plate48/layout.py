@@ -77,7 +77,10 @@ class GaussTables:
     """
 
     def __init__(self, block: Plate48Block, section: Section, n_gauss: int) -> None:
-        at_points = derivatives_at_points(shape_at_gauss_points(PLATE48, n_gauss), block.rest)
+        stiffness = section.stiffness.reshape(-1, 6, 6)
+        may_share = block.same_sections and len(stiffness) == 1
+        rest = block.rest[:1] if may_share and block.element.repeats(block.rest) else block.rest
+        at_points = derivatives_at_points(shape_at_gauss_points(PLATE48, n_gauss), rest)
         self._surface = surface = reference_surface(block.name, at_points, section.direction)
         self.cubed: Cubed = section.cubed
         self._section, self._factor = section, gauss_points(n_gauss)[2] * surface.area
@@ -85,9 +88,8 @@ class GaussTables:
         if section.prestrain is not None:  # the strains of the kernels are counted from a reference that is shorter by it
             constants[..., :3] -= np.linalg.solve(surface.transform, section.prestrain[:, None])[..., 0]
         bending = np.ones_like(surface.area) if self.cubed is None else surface.area**2
-        stiffness = section.stiffness.reshape(-1, 6, 6)
         tables = surface.transform, stiffness, self._factor, bending, constants
-        alike = block.same_sections and len(stiffness) == 1 and surface.repeats
+        alike = may_share and surface.repeats
         if alike:
             tables = surface.transform[:1], stiffness, self._factor[:1], bending[:1], constants[:1]
         n_block = 1 if alike else block.n_block
@@ -97,12 +99,12 @@ class GaussTables:
 
     @cached_property
     def transform(self) -> Floats:
-        """From the kernels' strains to those of the section, shape (n_element, n_point, 6, 6)."""
+        """From the kernels' strains to those of the section, shape (n_element, n_point, 6, 6), or (1, ...) of elements alike."""
         return self._surface.strain_transform(self.cubed)
 
     @property
     def stiffness(self) -> Floats:
-        """Stiffness for the kernels' strains, times weight and area, shape (n_element, n_point, 6, 6)."""
+        """Stiffness for the kernels' strains, times weight and area, in the same shape."""
         T = self.transform
         return T.swapaxes(-1, -2) @ self._section.by_element @ T * self._factor[..., None, None]
 

@@ -15,13 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamella.element.base import ROUNDING
 from lamella.element.plate48 import surface_kernels
 from lamella.element.plate48.strain import Cubed
 from lamella.errors import ModelError
 from lamella.roles import Floats
 
-ROUNDING = 1e-12
-"""Share by which elements of a mesh differ that are alike: of coordinates that are a thousand elements away from 0."""
 NORMAL = 0.1
 """Sine of the angle to the normal below which a direction has no usable projection on the surface: nearby it turns over."""
 
