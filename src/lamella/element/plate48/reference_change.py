@@ -17,7 +17,6 @@ from lamella._jit import inlined, shared
 from lamella.element.plate48.damping_kernels import strain_rates, weighted6
 from lamella.element.plate48.interpolation import (
     constants_at,
-    gather,
     interpolate_eta,
     interpolate_xi,
     reference,
@@ -41,24 +40,25 @@ from lamella.roles import Floats, Ints
 
 
 def work_size(n: int) -> int:
-    """Lanes of work space: coordinates, and six sets of sums on lines."""
-    return 48 + 6 * 36 * n
+    """Lanes of work space: coordinates and their changes, and six sets of sums on lines."""
+    return 96 + 6 * 36 * n
 
 
 @inlined
-def _gather_change(
+def _gather_both(
     q: Floats, dq: Floats, moves: bool, scaled: bool, index: Ints, scale_change: Floats, scale: Floats, block: int, work: Floats
 ) -> None:
-    """S' q if the scale changes, and S dq with it if coordinates move, to the beginning of ``work``."""
-    if not scaled:
-        gather(dq, index, scale, block, work, 0)
-        return
-    gather(q, index, scale_change, block, work, 0)
-    if moves:
-        first = 48 * WIDTH * block
-        for k in range(48 * WIDTH):
-            more = number_at(dq, number_at(index, first + k)) * number_at(scale, first + k)
-            put_at(work, k, number_at(work, k) + more)
+    """S q to the beginning of ``work``; behind it S' q if the scale changes, and S dq with it if coordinates move."""
+    first, beside = 48 * WIDTH * block, 48 * WIDTH
+    for k in range(48 * WIDTH):
+        at = number_at(index, first + k)
+        here, factor, change = number_at(q, at), number_at(scale, first + k), 0.0
+        if scaled:
+            change = number_at(scale_change, first + k) * here
+        if moves:
+            change += number_at(dq, at) * factor
+        put_at(work, k, here * factor)
+        put_at(work, beside + k, change)
 
 
 @shared
@@ -96,19 +96,17 @@ def reference_change(
             unless it is empty.
         others: as in :mod:`lamella.element.plate48.kernels`.
     """
-    lines, beside, rates, rates_beside, sums = 48, 48 + 36 * n, 48 + 72 * n, 48 + 108 * n, 48 + 144 * n
+    lines, beside, rates, rates_beside, sums = 96, 96 + 36 * n, 96 + 72 * n, 96 + 108 * n, 96 + 144 * n
     more = sums + 36 * n
     keeps, size = len(points) > 0, point_size(time)
     for block in range(index.size // (48 * WIDTH)):
-        gather(q, index, scale, block, work, 0)
+        _gather_both(q, dq, moves, scaled, index, scale_change, scale, block, work)
         interpolate_eta(work, 0, lines, table, n)
-        _gather_change(q, dq, moves, scaled, index, scale_change, scale, block, work)
-        interpolate_eta(work, 0, beside, table, n)
+        interpolate_eta(work, 48, beside, table, n)
         if time is not None:
-            gather(v, index, scale, block, work, 0)
+            _gather_both(v, dv, moves, scaled, index, scale_change, scale, block, work)
             interpolate_eta(work, 0, rates, table, n)
-            _gather_change(v, dv, moves, scaled, index, scale_change, scale, block, work)
-            interpolate_eta(work, 0, rates_beside, table, n)
+            interpolate_eta(work, 48, rates_beside, table, n)
         for j in range(n):
             for i in range(n):
                 g, y = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, beside, table, i, j)
@@ -130,7 +128,7 @@ def reference_change(
                     ds = weighted6(1.0, ds, time, strain_rates(g, y_rate, m, m_rate))
                 res = resultants(c, s)
                 if keeps:
-                    keep_point(points, to, g, frame, res)
+                    keep_point(points, to, g, res)
                 dres = weighted6(1.0, resultants(c, ds), 1.0, resultants(dc, s))
                 if scaled:
                     spread_xi(gradient(g, m, d1, d2, res, cubed), work, sums + j * 36, table, i, i == 0)

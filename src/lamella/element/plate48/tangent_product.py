@@ -6,8 +6,9 @@ resultants N = C_e (s + c sdot) and the force (ds/dg)^T N
     (ds/dg)^T C_e ((alpha_q + c alpha_v) ds + alpha_q c dsdot) + alpha_q (d(ds/dg))^T N
 
 with the changes ds = (ds/dg) y, dsdot = (dsdot/dg) y and d(ds/dg) along y. What does not depend on x is evaluated once for all
-products at a point of the motion: g with the frame of the surface, N, and for viscous forces gdot with mdot. Then a product takes
-as long as the force; layouts as in :mod:`lamella.element.plate48.kernels`.
+products at a point of the motion: g and N, and for viscous forces gdot with mdot. The frame of the surface is evaluated anew from
+g, as that takes no longer than to read it. A product takes little longer than the force; layouts as in
+:mod:`lamella.element.plate48.kernels`.
 """
 
 from __future__ import annotations
@@ -146,7 +147,7 @@ def tangent_points(
 ) -> None:
     """What all products at (q, v) need, in ``point_size(time)`` lanes of ``points`` for each Gauss point.
 
-    These are g, m, d1, d2 and alpha_q N, and where there is a retardation time c = ``time``, gdot and mdot.
+    These are g and alpha_q N, and where there is a retardation time c = ``time``, gdot and mdot.
     """
     lines, rates, size = 48, 48 + 36 * n, point_size(time)
     for block in range(index.size // (48 * WIDTH)):
@@ -167,31 +168,28 @@ def tangent_points(
                     m_rate = normal_change(g_rate[0], g_rate[1], m, d1, d2, cubed)
                     s = weighted6(1.0, s, alpha_q * time, strain_rates(g, g_rate, m, m_rate))
                     keep_rates(points, to, g_rate, m_rate)
-                keep_point(points, to, g, (m, d1, d2), resultants(stiffness(sections, at), s))
+                keep_point(points, to, g, resultants(stiffness(sections, at), s))
 
 
 @inlined
-def keep_point(points: Floats, at: int, g: tuple[Vector, ...], frame: Frame, resultant: tuple[Any, ...]) -> None:
-    """Keep g, m, d1, d2 and alpha_q N of a Gauss point."""
+def keep_point(points: Floats, at: int, g: tuple[Vector, ...], resultant: tuple[Any, ...]) -> None:
+    """Keep g and alpha_q N of a Gauss point."""
     _keep5(points, at, g)
-    _keep(points, at + 15, frame[0])
-    _keep(points, at + 18, frame[1])
-    _keep(points, at + 21, frame[2])
-    _keep(points, at + 24, (resultant[0], resultant[1], resultant[2]))
-    _keep(points, at + 27, (resultant[3], resultant[4], resultant[5]))
+    _keep(points, at + 15, (resultant[0], resultant[1], resultant[2]))
+    _keep(points, at + 18, (resultant[3], resultant[4], resultant[5]))
 
 
 @inlined
 def keep_rates(points: Floats, at: int, g_rate: tuple[Vector, ...], m_rate: Vector) -> None:
     """Keep gdot and mdot."""
-    _keep5(points, at + 30, g_rate)
-    _keep(points, at + 45, m_rate)
+    _keep5(points, at + 21, g_rate)
+    _keep(points, at + 36, m_rate)
 
 
 @inlined
 def point_size(time: Time) -> int:
     """Lanes kept of a Gauss point."""
-    return 30 if time is None else 48
+    return 21 if time is None else 39
 
 
 @shared
@@ -225,17 +223,17 @@ def tangent_product(
             for i in range(n):
                 y = interpolate_xi(work, lines, table, i, j)
                 at, kept = constants_at(sections, block, n, i, j), ((block * n + j) * n + i) * size
-                g, frame = _kept5(points, kept), (three(points, kept + 15), three(points, kept + 18), three(points, kept + 21))
-                m, d1, d2 = frame
+                g = _kept5(points, kept)
+                m, d1, d2 = frame = surface_frame(g[0], g[1], cubed)
                 change = frame_change(y, frame, cubed)
                 ds = strain_rates(g, y, m, change[0])
                 ds = weighted6(weight, ds, 0.0, ds)
                 if time is not None:
-                    g_rate, m_rate = _kept5(points, kept + 30), three(points, kept + 45)
+                    g_rate, m_rate = _kept5(points, kept + 21), three(points, kept + 36)
                     of_rates = rates_change(g, g_rate, y, m_rate, frame, change, cubed)
                     ds = weighted6(1.0, ds, alpha_q * time, of_rates)
                 h = gradient(g, m, d1, d2, resultants(stiffness(sections, at), ds), cubed)
-                resultant = three(points, kept + 24) + three(points, kept + 27)
+                resultant = three(points, kept + 15) + three(points, kept + 18)
                 h = summed(h, gradient_change(g, y, resultant, frame, change, cubed))
                 spread_xi(h, work, sums + j * 36, table, i, i == 0)
         spread_eta(work, sums, table, n, f, block * 48)
