@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from scipy import sparse
@@ -36,7 +36,7 @@ class ForceSum(Generic[Block]):
         blocks: Sequence[Block],
         n_q: int,
         T: sparse.csr_array | None = None,
-        like: ForceSum[Block] | None = None,
+        like: ForceSum[Any] | None = None,
         weights: Sequence[float] | None = None,
     ) -> None:
         ends = np.cumsum([len(block.f_coords) for block in blocks], dtype=np.int64)

@@ -48,12 +48,14 @@ class Ahead:
     ) -> None:
         self.point, self.weights, self._of_blocks = point, weights, of_blocks or {}
         self.operators: list[TangentOperator] = []
+        self.place: tuple[Floats, Floats] | None = None
+        """Coordinates and velocities there, once something was evaluated."""
 
     def along(
         self, change: ForceChange, block: ForceBlock, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats
     ) -> None:
         """Evaluate the change of a block's force along a change of the coordinates (:class:`~lamella.roles.ForceChange`)."""
-        operator = self._of_blocks.get(id(block))
+        operator, self.place = self._of_blocks.get(id(block)), (q, v)
         if change.along(t, q, v, dq, dv, f, operator) and operator:
             self.operators.append(operator)
 
@@ -126,6 +128,10 @@ class TangentProduct:
         of_blocks = zip(self._free, self._operators, strict=True) if weights.alpha_q == 1.0 else ()
         self._ahead = Ahead(point, weights, {id(block): operator for block, (operator, _) in of_blocks})
         return self._ahead
+
+    def place_ahead(self, point: Point) -> tuple[Floats, Floats] | None:
+        """Coordinates and velocities of a point, if something has been evaluated there :meth:`ahead`."""
+        return self._ahead.place if self._ahead.point is point else None
 
     def __call__(self, x: Floats) -> Floats:
         """The product with a vector in all coordinates, shape (n_q,)."""

@@ -153,9 +153,12 @@ class PartDifference:
 
 def proportion(part: sparse.csr_array, whole: sparse.csr_array) -> float | None:
     """c, if the mass ``part`` is c ``whole`` up to what a difference loses, as that of a plate by its thickness or density."""
-    share = float((part * whole).sum() / (whole * whole).sum())
-    beside, size = (part - share * whole).tocoo(), np.sqrt(abs(share) * whole.diagonal())
-    return share if np.all(abs(beside.data) <= LOST * size[beside.row] * size[beside.col]) else None
+    if not (np.array_equal(part.indptr, whole.indptr) and np.array_equal(part.indices, whole.indices)):
+        return None
+    share = float(part.data @ whole.data / (whole.data @ whole.data))
+    size = np.sqrt(abs(share) * whole.diagonal())
+    rows = np.repeat(np.arange(len(size)), np.diff(whole.indptr))
+    return share if np.all(abs(part.data - share * whole.data) <= LOST * size[rows] * size[whole.indices]) else None
 
 
 class _MassDifference:
@@ -194,7 +197,7 @@ class _Parts:
         others = [one or block.depends_on_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         moving = [one and not other for one, other in zip(others, linear, strict=True)]
         of_all = base.model.n_q, base.elimination.T
-        self._wholes = ForceSum([whole for whole in wholes if whole], *of_all)
+        self._wholes = ForceSum([whole for whole in wholes if whole], *of_all, like=of_base)
         self._of_wholes = [block for block, whole in zip(of_values, wholes, strict=True) if whole]
         self._linear = ForceSum([block for block, _ in compress(of_base.parts, linear)], *of_all)
         self._seeing = any(block.depends_on_velocity for block, _ in of_base.parts)

@@ -273,7 +273,8 @@ class ExactMatrix:
     def _negative_product(self, point: Point, weights: Weights) -> Callable[[Floats, Floats, Floats | None], Floats]:
         """-(r + A x) for r and x, with accelerations that are not those of x alone if they are given."""
         of, tangents, alpha_a = self.equations, self._tangents, weights.alpha_a
-        tangents.look(point, of.coordinates(point), of.force_velocities(point), weights)
+        place = tangents.place_ahead(point) or (of.coordinates(point), of.force_velocities(point))
+        tangents.look(point, *place, weights)
         still, mass = self._nothing[0], of.mass.in_independent if alpha_a else None
         if mass is not None and not tangents.lists:
             return lambda r, x, a: tangents.negative_sum(r, of.expand(x), *((alpha_a, mass, x) if a is None else (1.0, mass, a)))

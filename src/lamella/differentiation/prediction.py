@@ -37,7 +37,7 @@ class Prediction:
 
     def __init__(self, magnitude: Floats) -> None:
         padded = -(-len(magnitude) // WIDTH) * WIDTH
-        self._magnitude = magnitude
+        self._magnitude, self._per_magnitude = magnitude, 1.0 / magnitude
         self._values, self._q = np.zeros((MEMORY + 1) * padded), np.zeros(MEMORY * padded)
         self._next, self._R, self._a = np.zeros(padded), np.zeros((MEMORY, MEMORY)), np.zeros(MEMORY)
         self.forget()
@@ -64,7 +64,7 @@ class Prediction:
         """Take note of the solution."""
         self._known += 1
         work = self._values, self._q, self._R, self._a, self._next
-        self._errors = _learn(estimate, x, self._magnitude, self._known, *work)
+        self._errors = _learn(estimate, x, self._per_magnitude, self._known, *work)
 
 
 @njit
@@ -77,7 +77,7 @@ def _sum(estimate: Floats, magnitude: Floats, following: Floats) -> Floats:
 
 @kernel
 def _learn(
-    estimate: Floats, x: Floats, magnitude: Floats, known: int,
+    estimate: Floats, x: Floats, per_magnitude: Floats, known: int,
     values: Floats, q: Floats, R: Floats, a: Floats, following: Floats,
 ) -> tuple[float, float]:  # fmt: skip
     """The errors of the last prediction and of the estimate, and the next prediction."""
@@ -85,16 +85,16 @@ def _learn(
     latest = (known - 1) % (MEMORY + 1)
     at = latest * n
     for i in range(len(x)):
-        per, x_i = 1.0 / number_at(magnitude, i), number_at(x, i)
+        per, x_i = number_at(per_magnitude, i), number_at(x, i)
         put_at(values, at + i, per * (x_i - number_at(estimate, i)))
         put_at(q, i, per * x_i)
     size = dot(q, 0, q, 0, n)
     of_estimate = sqrt(dot(values, at, values, at, n) / size)
-    add_row(following, 0, -1.0, values, at, n)
-    of_prediction = sqrt(dot(following, 0, following, 0, n) / size) if known > 2 else of_estimate
     if of_estimate > FAR:
         set_row(following, 0, 0.0, values, at, n)
-        return of_prediction, of_estimate
+        return of_estimate, of_estimate
+    add_row(following, 0, -1.0, values, at, n)
+    of_prediction = sqrt(dot(following, 0, following, 0, n) / size) if known > 2 else of_estimate
     used = 0
     for k in range(min(known - 1, MEMORY)):  # those before the latest, made orthonormal one after the other: q R
         row = (latest - 1 - k) % (MEMORY + 1) * n
