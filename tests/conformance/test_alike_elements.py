@@ -9,8 +9,9 @@ from shell_patch import SURFACES, dense, gathered_force, patch
 import lamella as lm
 from lamella.assembly.equations import Equations
 from lamella.element.plate48.block import SHELL
+from lamella.element.plate48.inertia import ShellInertia
 from lamella.element.plate48.section import Section
-from lamella.element.plate48.shape import PLATE48
+from lamella.element.plate48.shape import PLATE48, Plate48
 from lamella.element.plate48.surface import ReferenceSurface
 from lamella.lane import WIDTH, aligned
 
@@ -41,6 +42,7 @@ def test_one_block_of_constants_serves_all(kind, option, surface, monkeypatch):
     section = Section(A @ A.T + np.eye(6), **OPTIONS[option])
     shared = made(kind, mesh, section)
     with monkeypatch.context() as patched:
+        patched.setattr(Plate48, "repeats", lambda self, coordinates: False)
         patched.setattr(ReferenceSurface, "repeats", False)
         apart = made(kind, mesh, section)
     assert set(blocks_of_constants(shared)) == {1}
@@ -59,6 +61,35 @@ def test_one_block_of_constants_serves_all(kind, option, surface, monkeypatch):
     np.testing.assert_allclose(*products, atol=1e-12 * np.abs(products[1]).max())
     if kind == "elastic":
         assert shared.energy(0.0, q) == pytest.approx(apart.energy(0.0, q), rel=1e-12)
+
+
+@pytest.mark.parametrize("lines", [EVEN, STRETCHED, (1e3 + EVEN[0], EVEN[1])], ids=["alike", "longer", "far away"])
+@pytest.mark.parametrize("surface", ["flat", "cylinder"])
+def test_masses_of_elements_that_are_alike(surface, lines, monkeypatch):
+    coords, scale, reference = patch(PLATE48, *lines, SURFACES[surface]).tables
+
+    def masses(density):
+        return ShellInertia("plate", coords, scale, reference, density).mass()
+
+    one, several = masses(4.0), masses(4.0 + np.arange(15.0))
+    monkeypatch.setattr(Plate48, "repeats", lambda self, coordinates: False)
+    for found, expected in ((one, masses(4.0)), (several, masses(4.0 + np.arange(15.0)))):
+        for part, other in zip(found, expected, strict=True):
+            np.testing.assert_allclose(part, other, rtol=1e-11, atol=1e-14)
+    assert np.sum(one[2].reshape(15, 16, 16)[1]) != pytest.approx(np.sum(several[2].reshape(15, 16, 16)[1]))
+
+
+def test_what_counts_as_alike():
+    """A displacement does, but for rounding; a rotation, another length by a billionth, and an imperfection of 1e-9 do not."""
+    (_, scale, flat), (_, _, moved) = patch(PLATE48, *EVEN).tables, patch(PLATE48, *EVEN, SURFACES["cylinder"]).tables
+    assert PLATE48.repeats(flat * scale)
+    assert PLATE48.repeats((flat + np.tile([10.0, 20.0, 0.0] + [0.0] * 9, 4)) * scale)
+    assert not PLATE48.repeats(moved * scale)
+    _, longer, stretched = patch(PLATE48, *STRETCHED).tables
+    assert not PLATE48.repeats(stretched * longer)
+    flat = flat.copy()
+    flat[7, 2] += 1e-9
+    assert not PLATE48.repeats(flat * scale)
 
 
 @pytest.mark.parametrize(
