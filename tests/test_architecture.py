@@ -23,6 +23,7 @@ LAYERS = [
         "roles",
         "kinematics",
         "switch",
+        "trigger",
         "dofs",
         "state",
         "critical",

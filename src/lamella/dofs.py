@@ -13,6 +13,7 @@ from lamella.kinematics import Frame, VectorRows
 from lamella.memory import Memory
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock, Ints
 from lamella.switch import SwitchedForce
+from lamella.trigger import Sampler, Trigger
 
 if TYPE_CHECKING:
     from lamella.state import State
@@ -26,50 +27,6 @@ class Motion(Protocol):
     def acceleration(self, t: float) -> float: ...
     @property
     def breakpoints(self) -> tuple[float, ...]: ...
-
-
-@dataclass(frozen=True)
-class Trigger:
-    """An event: something happens when a function of the state passes through zero.
-
-    Args:
-        name: the declaration's name.
-        evaluate: the function; None when it is a recorded signal less a level.
-        direction: 1 for passing upwards, -1 downwards, 0 for both.
-        text: what happens, for messages.
-        act: called between two steps; None when the event is only noted.
-        stops: whether the run ends there.
-        once: whether it may happen only once in a run.
-        watch, component, level: the signal, its component and the level, when ``evaluate`` is None.
-    """
-
-    name: str
-    evaluate: Callable[[State], float] | None
-    direction: int
-    text: str
-    act: Callable[[], None] | None = None
-    stops: bool = False
-    once: bool = True
-    watch: str = ""
-    component: str | None = None
-    level: float = 0.0
-
-
-class Sampler(Protocol):
-    """Something with a memory that acts at sample times on measured signals; see :mod:`lamella.load.controller`."""
-
-    name: str
-    measures: tuple[str, ...]
-    """Signals or components."""
-    period: float
-
-    def sample(self, t: float, y: Floats) -> None:
-        """Act on the measured values."""
-        ...
-
-    def reset(self) -> None:
-        """Begin again."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -101,6 +58,8 @@ class Signal:
         description: a sentence for the result file.
         cumulative, history: whether it depends on all states, those not recorded as well; what it remembers of them.
         linear: gives the change from one of the state, of a signal that is linear in it but for a constant.
+        polynomial: whether it is a sum of products of few parts of the state, as a torque is of places and forces.
+        potential: whether it is the potential of all force blocks.
     """
 
     name: str
@@ -111,6 +70,13 @@ class Signal:
     cumulative: bool = False
     history: tuple[Memory, ...] = ()
     linear: Callable[[State], Floats | float] | None = None
+    polynomial: bool = False
+    potential: bool = False
+
+    @property
+    def by_tables(self) -> bool:
+        """Whether the derivatives of the elements' tables tell its own: a stiff strain need not be differenced."""
+        return self.linear is not None or self.polynomial or self.potential
 
 
 @dataclass(frozen=True)

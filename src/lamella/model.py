@@ -13,12 +13,13 @@ from scipy import sparse
 from lamella.body.mesh import PlateMesh
 from lamella.body.rigid_frame import RigidFrame
 from lamella.constraint.dot_block import DotBlock
-from lamella.dofs import Build, DotRow, LinearRow, Sampler, ScalarField, Signal, Support, Trigger
+from lamella.dofs import Build, DotRow, LinearRow, ScalarField, Signal, Support
 from lamella.errors import ModelError
 from lamella.inertia import vector_mass, whole_mass
 from lamella.memory import Memory
 from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock
 from lamella.state import State
+from lamella.trigger import Sampler, Trigger
 
 FARTHEST = 1e9
 """Distance of a body from the origin over its size."""

@@ -113,6 +113,10 @@ class ForceChange(Force):
             Whether it need not look any more.
         """
 
+    @abstractmethod
+    def energy(self, t: float, q: Floats, dq: Floats) -> float:
+        """dW/dp + dW/dq dq of the block's potential W [J per unit of p]: coordinates follow the parameter."""
+
 
 class ForceBlock(Memory, Force):
     """Forces that depend on time, position and velocity, with their tangent.

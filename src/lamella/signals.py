@@ -50,6 +50,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
                 (),
                 lambda s: float(forces_of(s.reaction).sum()),
                 f"generalised {kind} of {support.name}",
+                polynomial=True,
             )
         ]
     numbers, held_coords, coefs = equations.elimination.entries_of(own)
@@ -87,8 +88,8 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
 
     on = f" on {support.side}" if support.side else ""
     signals = [
-        Signal(f"{support.name}.force", "N", AXES, force, f"force of {support.name}{on}"),
-        Signal(f"{support.name}.torque", "N m", AXES, torque, f"torque of {support.name}{on} about its centre"),
+        Signal(f"{support.name}.force", "N", AXES, force, f"force of {support.name}{on}", polynomial=True),
+        Signal(f"{support.name}.torque", "N m", AXES, torque, f"torque of {support.name}{on} about its centre", polynomial=True),
     ]
     frame = support.frame
     if frame is None:
@@ -103,8 +104,10 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     where = "in the joint frame of a"
     return [
         *signals,
-        Signal(f"{support.name}.force_local", "N", AXES, local(force), f"force of {support.name}{on} {where}"),
-        Signal(f"{support.name}.torque_local", "N m", AXES, local(torque), f"torque of {support.name}{on} {where}"),
+        Signal(f"{support.name}.force_local", "N", AXES, local(force), f"force of {support.name}{on} {where}", polynomial=True),
+        Signal(
+            f"{support.name}.torque_local", "N m", AXES, local(torque), f"torque of {support.name}{on} {where}", polynomial=True
+        ),
     ]
 
 
@@ -287,8 +290,8 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return from_start(total)
 
     return [
-        Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy"),
-        Signal("energy.strain", "J", (), kept("strain", strain), "strain energy"),
+        Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy", polynomial=True),
+        Signal("energy.strain", "J", (), kept("strain", strain), "strain energy", potential=True),
         Signal("work.loads", "J", (), kept("loads", loads), "work of the loads", cumulative=True, history=(loads,)),
         Signal(
             "work.supports",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from types import SimpleNamespace
@@ -17,12 +18,16 @@ from lamella.assembly.point import Weights
 from lamella.differentiation.difference import PartDifference, WholeDifference
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import neighbours_of
+from lamella.differentiation.reactions import Reactions
+from lamella.differentiation.solution import PointDerivative
 from lamella.element.plate48.beside import ReferenceChange
 from lamella.element.plate48.block import SHELL
 from lamella.element.plate48.exact import ShellBlock
 from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
 from lamella.element.plate48.shape import PLATE48
+from lamella.roles import ForceChange
+from lamella.state import State
 
 BLOCKS = {"elastic": SHELL.strain_models["exact"], "viscous": SHELL.viscous, "both": SHELL.damped}
 OPTIONS = {"unit": {}, "cubed": {"curvature": "cubed_normal"}, "fewer points": {"membrane_gauss": 3}}
@@ -51,11 +56,11 @@ ROUNDING = 1e-8
 AT = {"E": 7e10, "rho": 2700.0, "thickness": 4e-3, "force": -10.0, "length": 0.6, "width": 0.3}
 
 
-def neighbours(name, of_places=False, **more):
+def neighbours(name, by_tables=False, **more):
     made = partial(plate, **more)
     base = Equations(made().compile())
     value = {**AT, **more}[name]
-    return base, neighbours_of(name, base, value, abs(value), lambda x: made(**{name: x}), of_places)
+    return base, neighbours_of(name, base, value, abs(value), lambda x: made(**{name: x}), by_tables)
 
 
 def moved(base):
@@ -101,6 +106,29 @@ def test_parts_are_as_good_as_the_whole(name, how):
         np.testing.assert_allclose(found, expected, atol=ROUNDING * largest)
 
 
+@pytest.mark.parametrize(("name", "how"), [*(each for each in product(AT, MORE) if each != HELD), ("alpha", "warm")])
+def test_parts_tell_the_derivative_of_reactions(name, how):
+    """In all coordinates: of unknowns as they are, and of those that follow the parameter where coordinates may."""
+    base, beside = neighbours(name, **MORE[how])
+    point, dud, dudd = moved(base)
+    scale, still = 1.0 / {**AT, **MORE[how]}[name], base.start(at_rest=True)
+    still.u, still.factor = point.u, 0.7
+    point.t = 0.01
+    for at in (still, point):
+        expected = beside.difference(lambda side, at=at: side.equations.state(at).reaction)
+        largest = np.abs(base.state(at).reaction).max() * abs(scale)
+        np.testing.assert_allclose(beside.parts.reaction(at), expected, atol=ROUNDING * largest)
+    if beside.parts.follows:
+        du = 0.1 * np.cos(2.0 * np.arange(base.n_u)) * base.magnitude
+        one = PointDerivative(du, dud, dudd, np.zeros(0))
+        found, unmoved = (beside.parts.reaction(point, *rates) for rates in ((du, dud, dudd), ()))
+        change = State(point.t, *(base.expand(x) for x in (du, dud, dudd)), np.zeros(0), np.zeros(0))
+        tangents = Reactions(base)
+        tangents.look(point, base.state(point))
+        expected = unmoved + tangents.change(replace(beside, residual=WholeDifference(beside.sides)), one, change)
+        np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
 def test_supports_that_follow_the_parameter_ask_for_whole_residuals():
     assert isinstance(neighbours("shaken", shaken=1e-3)[1].residual, WholeDifference)
     assert isinstance(neighbours(HELD[0], **MORE[HELD[1]])[1].residual, WholeDifference)
@@ -111,12 +139,12 @@ def test_supports_that_follow_the_parameter_ask_for_whole_residuals():
 def test_tables_of_two_models_tell_of_places_what_those_of_four_do(name, how):
     """Tables are products of few lengths, and two models that lie near leave 1e-8 of their derivatives and less."""
     base, beside = neighbours(name, **MORE[how])
-    near = neighbours(name, of_places=True, **MORE[how])[1]
+    near = neighbours(name, by_tables=True, **MORE[how])[1]
     assert (len(beside.sides), len(near.sides)) == (4, 2)
     for at, rates in ((base.start(at_rest=True), (None, None)), (point := moved(base)[0], (point.ud, point.udd))):
         expected, found = (each.residual(at, *rates)[0] for each in (beside, near))
         np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
-    heated = neighbours(name, of_places=True, **MORE["warm"])[1]
+    heated = neighbours(name, by_tables=True, **MORE["warm"])[1]
     assert len(heated.sides) == 4
 
 
@@ -160,7 +188,9 @@ def test_blocks_of_other_meshes_or_times_have_no_change_of_their_own():
     assert slow.force_change([fast], [1.0]) is None
     assert block.force_change([slow], [1.0]) is None
     warm, warmer = (plate(alpha=alpha).compile().forces[0] for alpha in (2e-5, 3e-5))
-    assert isinstance(warm.force_change([warm, warmer], [-1.0, 1.0]), ReferenceChange)
+    heated = warm.force_change([warm, warmer], [-1.0, 1.0])
+    assert isinstance(heated, ReferenceChange)
+    assert not isinstance(heated, ForceChange)  # as temperatures do not follow
     assert block.force_change([warm], [1.0]) is None
     assert warm.force_change([block], [1.0]) is None
     other = ShellBlock("plate", *patch(PLATE48, (0.0, 0.3, 0.6), (0.0, 0.1, 0.2, 0.3)).tables, np.eye(6))
@@ -189,7 +219,7 @@ def test_change_of_the_reference_is_that_of_the_force(kind, option, surface):
     v = rng.standard_normal(len(q))
     places, weights = (-2, -1, 1, 2), np.array([1 / 12, -8 / 12, 8 / 12, -1 / 12]) / h
     found = block.force_change([at(place * h)[1] for place in places], weights)
-    assert isinstance(found, ReferenceChange)
+    assert isinstance(found, ForceChange)
     dq, dv = 0.1 * rng.standard_normal((2, len(q)))
     sixth = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     for follows in (0.0, 1.0):  # coordinates and velocities stay, or follow p
@@ -200,6 +230,13 @@ def test_change_of_the_reference_is_that_of_the_force(kind, option, surface):
         expected = sum(w / h * (force(k * h) - force(-k * h)) for k, w in sixth.items())
         change = along(found, dq, dv) if follows else found
         np.testing.assert_allclose(gathered_force(change, q, v), expected, atol=1e-8 * np.abs(expected).max())
+
+        def energy(p, follows=follows):
+            return at(p)[1].energy(0.0, q + follows * p * dq)
+
+        expected = sum(w / h * (energy(k * h) - energy(-k * h)) for k, w in sixth.items())
+        assert found.energy(0.0, q, follows * dq) == pytest.approx(expected, rel=1e-8)
+        assert (expected == 0.0) == (kind == "viscous")
 
 
 def along(change, dq, dv):

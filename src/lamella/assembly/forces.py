@@ -144,3 +144,7 @@ class ForceSum(Generic[Block]):
     def onto(self, r: Floats) -> Floats:
         """Add T^T times the sum of what the buffer holds now to ``r`` (n_u,) and return it; the sum is not kept."""
         return self._operators[1].onto(self.buffer, r)
+
+    def onto_all(self, f: Floats) -> Floats:
+        """Add the sum of what the buffer holds now to ``f`` (n_q,) and return it; the sum is not kept."""
+        return self._operators[0].onto(self.buffer, f)

@@ -11,11 +11,11 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.contact.block import ContactBlock
-from lamella.differentiation.difference import Side
 from lamella.differentiation.exact_matrix import ExactMatrix, exact
 from lamella.differentiation.modal import enough_modes, frequency_derivatives
 from lamella.differentiation.motion import DifferentiatedAlpha, differentiated_run
 from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.parts import Side
 from lamella.differentiation.signals import SignalDerivatives
 from lamella.differentiation.solution import PointDerivative, static_derivatives
 from lamella.differentiation.statistics import statistic_derivative

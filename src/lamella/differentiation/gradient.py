@@ -163,12 +163,12 @@ def differentiated(
             raise DeclarationError("gradient", f"{name} changes an analysis", "accepted is a parameter of the system")
         return there
 
-    of_places = all(
-        isinstance(output, SignalOutput) and signals[chosen[name].name][output.signal].linear is not None
+    by_tables = all(
+        isinstance(output, SignalOutput) and signals[chosen[name].name][output.signal].by_tables
         for name, output in outputs.items()
     )
     neighbours = [
-        neighbours_of(name, equations, value, sizes.get(name, abs(value) or 1.0), lambda x, name=name: made(name, x), of_places)
+        neighbours_of(name, equations, value, sizes.get(name, abs(value) or 1.0), lambda x, name=name: made(name, x), by_tables)
         for name, value in values.items()
     ]
     chain = Chain(model, equations, neighbours, sinks)

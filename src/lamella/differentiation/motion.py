@@ -14,9 +14,9 @@ import numpy as np
 from lamella._jit import kernel, njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point, Weights
-from lamella.differentiation.difference import moved
 from lamella.differentiation.exact_matrix import Change, ExactMatrix, Remainder
 from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.parts import moved
 from lamella.differentiation.prediction import Prediction
 from lamella.differentiation.solution import (
     PointDerivative,

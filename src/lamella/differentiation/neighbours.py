@@ -11,7 +11,8 @@ import numpy as np
 
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
-from lamella.differentiation.difference import PartDifference, Side, WholeDifference, difference_of, remembers
+from lamella.differentiation.difference import PartDifference, WholeDifference, difference_of, may_follow
+from lamella.differentiation.parts import Side, remembers
 from lamella.errors import DeclarationError, LamellaError
 from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock
@@ -23,11 +24,12 @@ STEP = 5e-5
 order 2e-19 of the fifth, and both 4e-12 of the value differenced. The fifth derivative of a strain energy by a length is large: a
 plate that moves along a straight line is stretched, and its membrane is stiffer than its bending by 12 (length / thickness)^2."""
 SHORT = 1e-5
-"""Distance of the models where nothing but places is differentiated, and step of central differences along a change of the state,
-which bends what moves along a straight line by 1e-10 of it. They leave 2e-11 of the third derivative and of the value, which is
-enough of tables of elements, but not of a strain energy."""
-CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
-FOURTH = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
+"""Distance of the models where nothing but tables of elements is differenced, and step of central differences along a change of
+the state, which bends what moves along a straight line by 1e-10 of it. They leave 2e-11 of the third derivative and of the value,
+which is enough of such tables, but not of a strain energy itself."""
+Rule = tuple[tuple[float, float], ...]
+CENTRAL: Rule = ((-1.0, -0.5), (1.0, 0.5))
+FOURTH: Rule = ((-2.0, 1 / 12), (-1.0, -8 / 12), (1.0, 8 / 12), (2.0, -1 / 12))
 """Places in steps and weights of the differences."""
 PLACE = re.compile(r" at \(?[-+.e\d, ]+\)? m")
 """Where something is, in the label of a constraint: a parameter may move it."""
@@ -50,7 +52,7 @@ class Neighbours:
     residual: WholeDifference | PartDifference
 
     @property
-    def rule(self) -> tuple[float, tuple[tuple[float, float], ...]]:
+    def rule(self) -> tuple[float, Rule]:
         """Step along a change of the state, in sizes, and places and weights of the difference that suits the parameter."""
         return (SHORT, CENTRAL) if len(self.sides) == len(CENTRAL) else (STEP, FOURTH)
 
@@ -58,6 +60,11 @@ class Neighbours:
     def parts(self) -> PartDifference | None:
         """The difference of residuals by the parts that differ; None where whole residuals are differenced."""
         return self.residual if isinstance(self.residual, PartDifference) else None
+
+    @property
+    def following(self) -> PartDifference | None:
+        """The parts, where coordinates may follow the parameter in them; they then tell of reactions and of the potential too."""
+        return self.parts if self.parts and self.parts.follows else None
 
     def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
         """The derivative of a function, from its values at the sides."""
@@ -90,14 +97,14 @@ class Neighbours:
 
 
 def neighbours_of(
-    name: str, base: Equations, value: float, size: float, made: Callable[[float], System], of_places: bool = False
+    name: str, base: Equations, value: float, size: float, made: Callable[[float], System], by_tables: bool = False
 ) -> Neighbours:
     """The neighbours of a model.
 
     Two are enough for a parameter of material, section or load. One that moves the places at which coordinates have no strain
     stretches a plate that is held in its place; the membrane is stiffer than the bending by 12 (length / thickness)^2, and to
-    third order that would be seen. Such a parameter has four neighbours, with differences of fourth order. Of places, which are
-    linear in the coordinates, two are enough where no forces are differenced, but the tables of elements alone.
+    third order that would be seen. Such a parameter has four neighbours, with differences of fourth order. Two are enough where
+    neither forces nor outputs are differenced in their places, but the tables of elements alone.
 
     Args:
         name: of the parameter.
@@ -105,30 +112,31 @@ def neighbours_of(
         value: of the parameter, in its unit.
         size: of a change of the parameter that matters, in its unit.
         made: gives the system for a value.
-        of_places: whether nothing but places and velocities is differentiated.
+        by_tables: whether tables of elements tell the derivatives of all outputs (:attr:`lamella.dofs.Signal.by_tables`).
 
     Raises:
         DeclarationError: there is no model beside the value, or one of another kind.
     """
-    step = (SHORT if of_places else STEP) * size
+    near = by_tables and may_follow(base)
+    step = (SHORT if near else STEP) * size
     if value + step == value:
         problem = f"{name} = {value!r} is not changed by a share of its size {size!r}"
         raise DeclarationError("gradient", problem, "accepted is a larger one in 'sizes'")
-    here, above = Side(0.0, -1.0 / step, base), Side(step, 1.0 / step, _equations(name, base, _model(name, value + step, made)))
-    rule = CENTRAL
-    if _moves(base, above.equations) and not (of_places and _follows(difference_of(base, [here, above]))):
-        step, rule = STEP * size, FOURTH
-    sides = []
-    for place, weight in rule:
-        there = value + place * step
-        equations = above.equations if place * step == above.distance else _equations(name, base, _model(name, there, made))
-        sides.append(Side(there - value, weight / step, equations))
-    return Neighbours(name, sides, difference_of(base, sides))
+    known: dict[float, Equations] = {}
 
+    def at(there: float) -> Equations:
+        if there not in known:
+            known[there] = _equations(name, base, _model(name, there, made))
+        return known[there]
 
-def _follows(residual: WholeDifference | PartDifference) -> bool:
-    """Whether coordinates may follow the parameter in it."""
-    return isinstance(residual, PartDifference) and residual.follows
+    def beside(step: float, rule: Rule) -> Neighbours:
+        places = [(value + place * step, weight / step) for place, weight in rule]
+        sides = [Side(there - value, weight, at(there)) for there, weight in places]
+        return Neighbours(name, sides, difference_of(base, sides))
+
+    moves = _moves(base, at(value + step))
+    found = beside(step, FOURTH if moves and not near else CENTRAL)
+    return found if not (moves and near) or found.following else beside(STEP * size, FOURTH)
 
 
 def _moves(base: Equations, there: Equations) -> bool:

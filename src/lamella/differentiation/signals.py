@@ -8,13 +8,12 @@ import numpy as np
 
 from lamella._jit import kernel
 from lamella.assembly.equations import Equations
-from lamella.assembly.point import STATIC, Point
-from lamella.assembly.product import TangentProduct
+from lamella.assembly.point import Point
 from lamella.differentiation.alike import alike
 from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.reactions import Reactions
 from lamella.differentiation.solution import PointDerivative
 from lamella.dofs import Signal
-from lamella.linear.steady import RATES
 from lamella.roles import Floats
 from lamella.signals import LOAD_FACTOR, system_signals
 from lamella.state import State
@@ -30,8 +29,9 @@ class SignalDerivatives:
 
     The derivative of y(state(p), p) has two parts, each a central difference of signals: between the neighbours with the unknowns
     as they are, where their signals differ, and along the change of the state, where a signal is not linear. Signals are at most
-    quadratic in velocities and forces, and most are in positions: there differences are exact up to rounding. Reactions change
-    by K dq + D dv + M da + Phi_q^T dlam in all coordinates, exactly.
+    quadratic in velocities and forces, and most are in positions: there differences are exact up to rounding. Differences of
+    reactions and of the potential of all forces would lose digits: the parts of the residual tell their derivatives where they
+    can. That of a reaction then belongs to the change of the state, and neighbours have the reaction of the model in the middle.
 
     Args:
         equations: of the model.
@@ -47,16 +47,10 @@ class SignalDerivatives:
     def __init__(self, equations: Equations, neighbours: Sequence[Neighbours], names: Sequence[str]) -> None:
         self.equations, self.neighbours = equations, neighbours
         self._own = _chosen(equations, names)
-        self._theirs = [[_chosen(side.equations, names) for side in each.sides] for each in neighbours]
         held = tuple(f"{support.name}." for support in equations.model.supports)
         self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
         self._per_size = 1.0 / equations.model.magnitude
-        self._alike = [[side.equations.same_coordinates(equations) for side in each.sides] for each in neighbours]
-        self._differ = [
-            [name for name in names if self._reactions is not None or not all(same) or not _alike([s[name] for s in theirs])]
-            for theirs, same in zip(self._theirs, self._alike, strict=True)
-        ]
-        """Signals that are not the same function of the unknowns in all neighbours."""
+        self._beside = [_Beside(equations, each, self._own, self._reactions is not None) for each in neighbours]
         self._recorded, self._bend = bool(names), not all(signal.linear for signal in self._own.values())
         self.at: list[float] = []
         self.values: dict[str, list[Floats]] = {name: [] for name in names}
@@ -75,50 +69,53 @@ class SignalDerivatives:
             self._reactions.look(point, state)
         here = {name: _value(signal, state) for name, signal in self._own.items()}
         found: dict[str, list[Floats]] = {name: [] for name in self._own}
-        alone = self._reactions is None  # else a state has reactions, which are each side's own
-        everything = zip(self.neighbours, self._theirs, self._alike, self._differ, derivatives, strict=True)
-        for each, theirs, same, differ, known in everything:
-            change = self._change(state, known)
+        for beside, known in zip(self._beside, derivatives, strict=True):
+            each = beside.neighbours
+            change = self._change(each, state, known)
             ends, shares = self._along(each, state, change) if self._bend else ((), ())
             for name, signal in self._own.items():
-                if signal.linear:
+                if each.following and signal.potential:
+                    found[name].append(np.array([each.following.energy(point, known.u)]))
+                elif signal.linear:
                     found[name].append(np.atleast_1d(signal.linear(change)))
                 else:
                     found[name].append(_weighed(here[name], shares, [signal] * len(ends), ends))
-            if differ:
+            if beside.differ:
+                reacting = None if beside.react else state
                 sides = [
-                    state if alone and one else self._state(side.equations, point)
-                    for side, one in zip(each.sides, same, strict=True)
+                    state if same else self._state(side.equations, point, reacting)
+                    for side, same in zip(each.sides, beside.same, strict=True)
                 ]
                 weights = [side.weight for side in each.sides]
-                for name in differ:
-                    found[name][-1] += _weighed(here[name], weights, [one[name] for one in theirs], sides)
+                for name in beside.differ:
+                    found[name][-1] += _weighed(here[name], weights, [one[name] for one in beside.signals], sides)
         self.at.append(point.t if not point.at_rest else point.factor)
         for name, value in here.items():
             self.values[name].append(value)
             self.derivatives[name].append(np.array(found[name]).reshape(len(derivatives), -1))
 
-    def _state(self, equations: Equations, point: Point) -> State:
-        if self._reactions is not None:
+    def _state(self, equations: Equations, point: Point, reacting: State | None = None) -> State:
+        """The state of a model, with the reaction of another state if that is given."""
+        if self._reactions is not None and reacting is None:
             return equations.state(point)
         made: Parts = {
             "q": lambda _: equations.coordinates(point),
             "v": lambda _: equations.velocities(point),
             "a": lambda _: equations.accelerations(point),
             "lam": lambda _: equations.constraints.full(point.lam),
-            "reaction": lambda _: np.zeros(equations.model.n_q),
+            "reaction": lambda _: np.zeros(equations.model.n_q) if reacting is None else reacting.reaction,
         }
         return LateState(point.t, point.factor, made)
 
-    def _change(self, state: State, known: PointDerivative) -> State:
-        """Derivative of the state, with the unknowns' part of it alone."""
+    def _change(self, each: Neighbours, state: State, known: PointDerivative) -> State:
+        """Derivative of the state, of the unknowns' part of it alone; of all of a reaction where parts of the residual tell."""
         equations, held = self.equations, self._reactions
         made: Parts = {
             "q": lambda _: equations.expand(known.u),
             "v": lambda _: equations.expand(known.ud),
             "a": lambda _: equations.expand(known.udd),
             "lam": lambda _: equations.constraints.full(known.lam),
-            "reaction": lambda change: np.zeros_like(change.q) if held is None else held.change(change, known.lam),
+            "reaction": lambda change: np.zeros_like(change.q) if held is None else held.change(each, known, change),
         }
         return LateState(state.t, state.factor, made)
 
@@ -132,6 +129,31 @@ class SignalDerivatives:
             fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.reaction))
             step = 1.0 / fastest if fastest > 0.0 else 1.0
         return [_moved(state, place * step, change) for place, _ in rule], [weight / step for _, weight in rule]
+
+
+class _Beside:
+    """Signals of the models beside a parameter.
+
+    Args:
+        equations: of the model in the middle.
+        neighbours: of the parameter.
+        own: the signals in the middle.
+        reacting: whether reactions are asked for.
+
+    Attributes:
+        signals: the same signals, of each neighbour by name.
+        react: whether reactions are differenced between the neighbours.
+        same: whether the state of each neighbour is that in the middle.
+        differ: names of the signals whose differences between the neighbours belong to their derivatives.
+    """
+
+    def __init__(self, equations: Equations, neighbours: Neighbours, own: dict[str, Signal], reacting: bool) -> None:
+        self.neighbours = neighbours
+        self.signals = [_chosen(side.equations, [*own]) for side in neighbours.sides]
+        self.react = reacting and neighbours.parts is None
+        self.same = [not self.react and side.equations.same_coordinates(equations) for side in neighbours.sides]
+        asked = [name for name, signal in own.items() if not (neighbours.following and signal.potential)]
+        self.differ = [name for name in asked if not all(self.same) or not _alike([one[name] for one in self.signals])]
 
 
 class LateState(State):
@@ -173,37 +195,6 @@ def _largest(x: Floats, per_size: Floats) -> float:
         if not one <= largest:
             largest = one
     return largest
-
-
-class Reactions:
-    """How the reaction of eliminated constraints follows a change of the state, by the tangents in all coordinates.
-
-    Args:
-        equations: of the model.
-    """
-
-    def __init__(self, equations: Equations) -> None:
-        self.equations = of = equations
-        parts = of.model, of.forces, of.loads, of.constraints
-        self._K = TangentProduct(*parts)
-        self._D = TangentProduct(*parts) if of.depends_on_velocity else None
-
-    def look(self, point: Point, state: State) -> None:
-        """Take the tangents at a point."""
-        self._point, self._q = point, state.q
-        self._K.look(point, state.q, state.v, STATIC)
-        if self._D is not None:
-            self._D.look(point, state.q, state.v, RATES)
-
-    def change(self, change: State, dlam: Floats) -> Floats:
-        """Change of the generalised reaction."""
-        equations, total = self.equations, self._K(change.q)
-        if self._D is not None:
-            total += self._D(change.v)
-        if not self._point.at_rest:
-            total += equations.momentum(change.a)
-        equations.constraints.add_force(self._point.t, self._q, dlam, total)
-        return total
 
 
 def _chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamella.assembly.point import STATIC, Point
-from lamella.differentiation.difference import Side
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import Neighbours
+from lamella.differentiation.parts import Side
 from lamella.roles import Floats
 from lamella.solve.base import LinearSolver
 from lamella.solve.initial import MASS_ONLY, is_consistent, make_consistent, start_of

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from lamella.assembly.equations import Equations
-from lamella.dofs import Signal, Trigger
+from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.integrate.base import StepOutcome, Stepper
 from lamella.memory import Memory
 from lamella.result import Happening
 from lamella.state import State
+from lamella.trigger import Trigger
 
 CLOSE = 1e-6
 """Share of a step to which the time of an event is found."""

@@ -7,9 +7,10 @@ from math import floor
 
 import numpy as np
 
-from lamella.dofs import Sampler, Signal
+from lamella.dofs import Signal
 from lamella.errors import DeclarationError
 from lamella.state import State
+from lamella.trigger import Sampler
 
 CLOSE = 1e-9
 """Share of a period within which a time counts as a sample time."""

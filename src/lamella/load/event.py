@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from lamella import units
 from lamella.declaration import declaration
-from lamella.dofs import Trigger
 from lamella.errors import DeclarationError
 from lamella.roles import Declaration
+from lamella.trigger import Trigger
 
 if TYPE_CHECKING:
     from lamella.dofs import Build

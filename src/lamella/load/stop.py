@@ -9,12 +9,13 @@ from pydantic import Field
 
 from lamella import units
 from lamella.declaration import declaration
-from lamella.dofs import Build, Signal, Trigger
+from lamella.dofs import Build, Signal
 from lamella.joint.turning import TurningJoint, check_added
 from lamella.load.spring import add_measure_force, turning_force
 from lamella.measure.law import LatchLaw, StopLaw
 from lamella.roles import Declaration
 from lamella.state import State
+from lamella.trigger import Trigger
 
 
 @declaration

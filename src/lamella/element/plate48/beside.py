@@ -1,4 +1,6 @@
-"""Derivatives of forces by a parameter, from the elements of models beside its value, at the price of one force or two."""
+"""Derivatives of forces and potentials by a parameter, from the elements of models beside its value, at the price of one or
+two.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +13,11 @@ import numpy as np
 from lamella.element.block import Range
 from lamella.element.plate48.layout import KernelArguments, Plate48Block, sections_of, seen
 from lamella.element.plate48.matrix_free import ShellTangent
-from lamella.element.plate48.reference_change import reference_change, work_size
+from lamella.element.plate48.reference_change import energy_change, reference_change, work_size
 from lamella.element.plate48.surface_kernels import N_SECTION, N_STIFFNESS
 from lamella.element.plate48.tangent_product import Time
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, ForceChange, TangentOperator
+from lamella.roles import Floats, Force, ForceChange, TangentOperator
 from lamella.threads import Workspace
 
 Block = TypeVar("Block", bound=Plate48Block)
@@ -47,7 +49,7 @@ def force_change(
         return None
     for own, *others in zip(*(each.arguments for each in (block, *beside)), strict=True):
         if not all(np.array_equal(own[1], other[1]) and _same_reference(own, other) for other in others):
-            return ReferenceChange(block, beside, weights, time, elastic)
+            return FollowedChange(block, beside, weights, time, elastic)
     found = copy(block)
     found.arguments = []
     for (index, scale, sections, *others), *its in zip(*(each.arguments for each in (block, *beside)), strict=True):
@@ -56,7 +58,7 @@ def force_change(
     return StiffnessChange(found, block, beside, weights, time, elastic)
 
 
-class ReferenceChange(ForceChange):
+class ReferenceChange(Force):
     """The derivative of the elements' force by a parameter that changes their scale, reference and stiffness.
 
     Args:
@@ -83,14 +85,6 @@ class ReferenceChange(ForceChange):
         """Write it to the force buffer ``f`` (n_f,)."""
         self._write((q, v, q, v, False), [NOTHING] * len(self._parts), f)
 
-    def along(
-        self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats, looking: TangentOperator | None = None
-    ) -> bool:
-        """The same where coordinates and velocities follow the parameter."""
-        looks = isinstance(looking, ShellTangent)
-        self._write((q, v, dq, dv, True), looking.points if looks else [NOTHING] * len(self._parts), f)
-        return looks
-
     def _write(self, at: Place, kept: Sequence[Floats], f: Floats) -> None:
         for k, (part, points) in enumerate(zip(self._parts, kept, strict=True)):
             self._write_part(*part, at, points, self._more if k else f)
@@ -111,7 +105,38 @@ class ReferenceChange(ForceChange):
         self._over_blocks(POINT * arguments[4] ** 2, call)
 
 
-class StiffnessChange(ReferenceChange):
+class FollowedChange(ReferenceChange, ForceChange):
+    """The same where coordinates and velocities may follow the parameter.
+
+    Args:
+        block, beside, weights, time, elastic: as for :func:`force_change`.
+    """
+
+    def __init__(
+        self, block: Plate48Block, beside: Sequence[Plate48Block], weights: Sequence[float], time: Time, elastic: bool
+    ) -> None:
+        super().__init__(block, beside, weights, time, elastic)
+        self._elastic, self._n_element = elastic, block.n_element
+        self._energies = aligned(block.n_block * WIDTH)
+
+    def along(
+        self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats, looking: TangentOperator | None = None
+    ) -> bool:
+        """As the role says."""
+        looks = isinstance(looking, ShellTangent)
+        self._write((q, v, dq, dv, True), looking.points if looks else [NOTHING] * len(self._parts), f)
+        return looks
+
+    def energy(self, t: float, q: Floats, dq: Floats) -> float:
+        """As the role says: of the strain energy, of which a viscous force has none."""
+        total = 0.0
+        for arguments, scale, _, change in self._parts if self._elastic else ():
+            energy_change(q, dq, self._scaled, scale, change, *arguments, self._work.array, self._energies)
+            total += float(self._energies[: self._n_element].sum())
+        return total
+
+
+class StiffnessChange(FollowedChange):
     """The same by a parameter that changes the stiffness of sections alone.
 
     Args:

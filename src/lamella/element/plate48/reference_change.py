@@ -1,4 +1,4 @@
-"""The derivative of a force by a parameter that changes its elements: their sizes, reference and stiffness.
+"""The derivative of a force, and of its potential, by a parameter that changes the elements: sizes, reference and stiffness.
 
 With the scale S from global to element coordinates, e = S q, and the force f = S (ds/dg)^T N of the resultants N, a dash for the
 derivative by the parameter and y the change of g that belongs to e' = S' q,
@@ -8,12 +8,12 @@ derivative by the parameter and y the change of g that belongs to e' = S' q,
 where s' = (ds/dg) y less the change of the reference's constants, and sdot' = (dsdot/dg) y + (ds/dg) y' with the change y' that
 belongs to S' v. It costs as much as two forces, and loses no digits where the parameter stretches the membrane, as the difference
 of forces does. Where coordinates and velocities follow the parameter by q' and v', e' = S' q + S q' and S' v + S v' take their
-place: that saves the product of the tangent with q'.
+place: that saves the product of the tangent with q'. The potential W = 1/2 s.C s changes by W' = N.s' + 1/2 s.C' s.
 """
 
 from __future__ import annotations
 
-from lamella._jit import inlined, shared
+from lamella._jit import inlined, kernel, shared
 from lamella.element.plate48.damping_kernels import strain_rates, weighted6
 from lamella.element.plate48.interpolation import (
     constants_at,
@@ -24,7 +24,15 @@ from lamella.element.plate48.interpolation import (
     spread_xi,
     stiffness,
 )
-from lamella.element.plate48.strain import Cubed, gradient, normal_change, resultants, strains, surface_frame
+from lamella.element.plate48.strain import (
+    Cubed,
+    energy_density,
+    gradient,
+    normal_change,
+    resultants,
+    strains,
+    surface_frame,
+)
 from lamella.element.plate48.tangent_product import (
     Time,
     frame_change,
@@ -35,7 +43,7 @@ from lamella.element.plate48.tangent_product import (
     rates_change,
     summed,
 )
-from lamella.lane import WIDTH, load, number_at, put_at, store
+from lamella.lane import WIDTH, load, number_at, put_at, spread, store
 from lamella.roles import Floats, Ints
 
 
@@ -141,3 +149,39 @@ def reference_change(
         spread_eta(work, more, table, n, work, 0)
         for k in range(48):
             store(f, block * 48 + k, load(work, k) + load(share, block * 48 + k) * load(f, block * 48 + k))
+
+
+@kernel
+def energy_change(
+    q: Floats,
+    dq: Floats,
+    scaled: bool,
+    scale_change: Floats,
+    change: Floats,
+    index: Ints,
+    scale: Floats,
+    sections: Floats,
+    table: Floats,
+    n: int,
+    cubed: Cubed,
+    work: Floats,
+    out: Floats,
+) -> None:
+    """W' of each element, out (block,), with coordinates that follow the parameter by ``dq``; arguments as above."""
+    lines, beside = 96, 96 + 36 * n
+    for block in range(index.size // (48 * WIDTH)):
+        _gather_both(q, dq, True, scaled, index, scale_change, scale, block, work)
+        interpolate_eta(work, 0, lines, table, n)
+        interpolate_eta(work, 48, beside, table, n)
+        total = spread(0.0)
+        for j in range(n):
+            for i in range(n):
+                g, y = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, beside, table, i, j)
+                at = constants_at(sections, block, n, i, j)
+                m, d1, d2 = surface_frame(g[0], g[1], cubed)
+                s = strains(g, m, reference(sections, at))
+                ds = strain_rates(g, y, m, normal_change(y[0], y[1], m, d1, d2, cubed))
+                ds = weighted6(1.0, ds, -1.0, reference(change, at))
+                more = weighted6(2.0, resultants(stiffness(sections, at), ds), 1.0, resultants(stiffness(change, at), s))
+                total = total + energy_density(more, s)
+        store(out, block, total)
