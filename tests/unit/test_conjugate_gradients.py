@@ -59,6 +59,23 @@ def test_by_energy_a_solution_lacks_what_it_is_said_to(rng, coupling):
         np.testing.assert_allclose(B @ known.left, known.force, atol=1e-9 * np.abs(b).max())
 
 
+@pytest.mark.parametrize("coupling", [0.003, 0.01, 0.03])
+def test_what_a_solution_lacks_is_told_from_the_second_direction_on(rng, coupling):
+    """By what the last one has left, within a factor of four, however little that is; before, there is nothing to tell it by."""
+    A, B = stiff_and_soft(rng, coupling)
+    B += coupling * np.diag(rng.uniform(0.2, 1.0, N) * np.diag(B))
+    for b in rng.standard_normal((20, N)):
+        known, exact = ConjugateGradients(np.ones(N), MOST), np.linalg.solve(A, b)
+        said = [known.begin(None, np.linalg.solve(B, b), b)]
+        lacking = [energy(A, known.solution() - exact) / energy(A, exact)]
+        for _ in range(2):
+            said.append(known.improve(-A @ known.left, lambda force: np.linalg.solve(B, force)))
+            lacking.append(energy(A, known.solution() - exact) / energy(A, exact))
+        assert said[0] == pytest.approx(1.0, rel=0.1)
+        for one, other in zip(said[1:], lacking[1:], strict=True):
+            assert 0.25 * other < one < 4.0 * other
+
+
 def test_forces_need_fewer_directions_by_energy(rng):
     """What a set that is stiff and moves little lacks weighs as much in forces, and nothing in magnitudes."""
     A, B = stiff_and_soft(rng, 0.1)

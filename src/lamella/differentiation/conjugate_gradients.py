@@ -13,8 +13,9 @@ from lamella.lane import number_at, put_at
 from lamella.lane_rows import add_row, dot
 from lamella.roles import Floats
 
-AT_BEST = 0.02
-"""Share of what is left that the next direction is expected to leave at least, however little the last one has left by chance."""
+WORSE, FAST, AT_BEST = 2.5, 0.02, 0.004
+"""The next direction is expected to leave the share that the last one has left; of a share up to ``FAST`` so many times as much
+(of plates without damping 1.3 to 2.7 times in nine of ten steps), and ``AT_BEST`` in any case."""
 FINE = 1e-6
 """What a solution may lack below which its first substitution is made anew once earlier directions have taken their share: what
 is known of these tells it to single precision where B^-1 computes with that."""
@@ -71,13 +72,13 @@ class ConjugateGradients(Directions):
         return self._lacking(*_left_anew(substituted(self.force), share, k, *self._vectors, self._weights))
 
     def _lacking(self, of_magnitudes: float, energy: float) -> float:
-        """Each direction leaves a like share: what the last one has left is what the solution gains by ``left``."""
+        """What the solution lacks once it has gained ``left``: what the next direction would leave of it."""
         if of_magnitudes <= LEAST:
             return of_magnitudes
         share = sqrt(energy / self._whole) if energy >= 0.0 and self._whole > 0.0 else np.nan
-        left = min(1.0, max(share / self._last, AT_BEST)) if self._last else 1.0
+        last = share / self._last if self._last else 1.0
         self._last = share
-        return left * share
+        return share * min(1.0, max(last, min(WORSE * last, FAST), AT_BEST))
 
 
 @kernel
