@@ -17,7 +17,7 @@ from lamella.dofs import Build, DotRow, LinearRow, ScalarField, Signal, Support
 from lamella.errors import ModelError
 from lamella.inertia import vector_mass, whole_mass
 from lamella.memory import Memory
-from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock
+from lamella.roles import Bools, ConstraintBlock, Floats, ForceBlock, InertiaBlock, remembers
 from lamella.state import State
 from lamella.trigger import Sampler, Trigger
 
@@ -123,8 +123,12 @@ class Model:
 
     def settle(self, state: State) -> None:
         """Tell all blocks that ``state`` has been accepted."""
-        for block in (*self.forces, *self.loads, *self.constraints):
+        for block in self._settling:
             block.settle(state.t, state.q)
+
+    @cached_property
+    def _settling(self) -> list[ForceBlock | ConstraintBlock]:
+        return [block for block in (*self.forces, *self.loads, *self.constraints) if remembers(block)]
 
     def largest_displacement(self, shape: Floats) -> float:
         """Largest displacement in a change of all coordinates (n_q,) [m].

@@ -26,7 +26,7 @@ from lamella.signals import system_signals
 from lamella.solve.base import LinearSolver
 from lamella.solve.initial import balance, changes, make_consistent, refuse_locked, solve_rates, start_of, with_jump
 from lamella.solve.linear import Method, linear_solver
-from lamella.state import State
+from lamella.state import LateState, State
 from lamella.system import System
 
 GROWN = 0.05
@@ -275,7 +275,7 @@ class March:
             self.t = stop if count == 1 and length == trial else point.t
             recorded = self.statistics.steps % self.stride == 0 or due or bool(triggers) or self.t >= self.t_end
             self.point = point
-            self.state = self.equations.state(point, whole=recorded or self.equations.elimination.moves)
+            self.state = self.equations.state(point) if recorded else self.equations.late_state(point)
             self.equations.model.settle(self.state)
             if recorded:
                 self.recorder.sample(self.t, self.state)
@@ -336,7 +336,7 @@ class March:
 
     def whole(self) -> State:
         """The present state with what a step that is not recorded leaves out."""
-        if self.point is not None and not len(self.state.reaction):
+        if self.point is not None and isinstance(self.state, LateState):
             self.state = self.equations.state(self.point)
         return self.state
 

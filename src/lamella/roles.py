@@ -315,3 +315,8 @@ class ConstraintBlock(Memory, ABC):
 
     def reset(self) -> None:
         """Forget what happened in an earlier run (rule 8)."""
+
+
+def remembers(block: ForceBlock | ConstraintBlock) -> bool:
+    """Whether a block has a discrete state."""
+    return type(block).settle not in (ForceBlock.settle, ConstraintBlock.settle)

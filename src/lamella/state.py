@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -36,6 +36,31 @@ class State:
     reaction: Floats
     factor: float = 1.0
     memory: dict[str, Any] | None = field(default=None, compare=False, repr=False)
+
+
+PARTS = ("q", "v", "a", "lam", "reaction")
+"""What a state consists of beside time and load factor."""
+
+
+class LateState(State):
+    """A state whose parts are made when they are first asked for; most signals ask for one.
+
+    Args:
+        t: time [s].
+        factor: load factor.
+        made: makes each part from the state itself, by name.
+        of: what they are made of, which must stay as it is.
+    """
+
+    def __init__(self, t: float, factor: float, made: Mapping[str, Callable[[Any], Floats]], of: Any) -> None:
+        self.__dict__.update(t=t, factor=factor, made=made, of=of)
+
+    def __getattr__(self, name: str) -> Floats:
+        """A part that was not asked for yet."""
+        if name not in PARTS:
+            raise AttributeError(name)
+        part = self.__dict__[name] = self.__dict__["made"][name](self)
+        return part
 
 
 class OncePerState(Generic[T]):

@@ -15,13 +15,14 @@ from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, balance
 from lamella.assembly.point import Point, Weights
+from lamella.assembly.point_state import OF_POINT
 from lamella.assembly.product import SkewProduct, matrix_free
 from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
 from lamella.errors import ConstraintError, ModelError
 from lamella.model import Model
 from lamella.roles import Floats
-from lamella.state import State
+from lamella.state import LateState, State
 
 NOTHING = np.zeros(0)
 
@@ -315,20 +316,14 @@ class Equations:
             return f"nothing holds {what}: heat has no way out here; a plate that radiates must start above 0 K"
         return f"nothing holds {what}: a body or mechanism can move freely; add a support"
 
-    def state(self, point: Point, *, whole: bool = True) -> State:
-        """All coordinates, velocities, accelerations, multipliers and, if ``whole``, the reaction of the eliminated constraints.
+    def state(self, point: Point) -> State:
+        """All coordinates, velocities, accelerations, multipliers and the reaction of the eliminated constraints."""
+        late = self.late_state(point)
+        return State(point.t, late.q, late.v, late.a, late.lam, late.reaction, point.factor)
 
-        Where nothing but signals that are not recorded asks for the reaction, it need not be evaluated.
-        """
-        q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
-        if not whole:
-            return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), NOTHING, point.factor)
-        reaction = point.factor * self.loads(point.t, q, v)
-        reaction += self.forces(point.t, q, v)
-        if not point.at_rest:
-            self.mass.in_all.onto(a, reaction)
-        self.constraints.add_force(point.t, q, point.lam, reaction)
-        return State(point.t, q, v, a, self.constraints.full(point.lam).copy(), reaction, point.factor)
+    def late_state(self, point: Point) -> LateState:
+        """The same of a point that stays as it is while the state is in use; each part is evaluated when it is asked for."""
+        return LateState(point.t, point.factor, OF_POINT, (self, point))
 
     def _reduced(self, point: Point, q: Floats) -> tuple[Floats, Floats]:
         """r and Phi with the forces that the buffers hold now."""

@@ -16,9 +16,9 @@ from lamella.assembly.operator import VectorOperator
 from lamella.assembly.point import Point, Weights
 from lamella.assembly.product import Ahead
 from lamella.differentiation.alike import alike
-from lamella.differentiation.parts import ForceParts, Side, moved, remembers
+from lamella.differentiation.parts import ForceParts, Side, moved
 from lamella.inertia import differenced
-from lamella.roles import Floats, ForceChange
+from lamella.roles import Floats, ForceChange, remembers
 
 Onto = Callable[[ForceSum, Floats], Floats]
 """Adds what a sum's buffer holds, in the coordinates that it chooses."""

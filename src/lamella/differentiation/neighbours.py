@@ -12,10 +12,10 @@ import numpy as np
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
 from lamella.differentiation.difference import PartDifference, WholeDifference, difference_of, may_follow
-from lamella.differentiation.parts import Side, remembers
+from lamella.differentiation.parts import Side
 from lamella.errors import DeclarationError, LamellaError
 from lamella.model import Model
-from lamella.roles import ConstraintBlock, Floats, ForceBlock
+from lamella.roles import ConstraintBlock, Floats, ForceBlock, remembers
 from lamella.state import State
 from lamella.system import System
 

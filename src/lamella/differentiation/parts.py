@@ -14,7 +14,7 @@ from lamella.assembly.equations import Equations
 from lamella.assembly.forces import ForceSum
 from lamella.assembly.product import Ahead
 from lamella.differentiation.alike import alike
-from lamella.roles import ConstraintBlock, Floats, Force, ForceBlock, ForceChange
+from lamella.roles import Floats, Force, ForceBlock, ForceChange, remembers
 
 
 @dataclass(frozen=True)
@@ -117,11 +117,6 @@ class _Weighed:
             for block, part in parts:
                 block.force(t, q, there, part)
         return [self._sum] if self._sum.parts else []
-
-
-def remembers(block: ForceBlock | ConstraintBlock) -> bool:
-    """Whether a block has a discrete state."""
-    return type(block).settle not in (ForceBlock.settle, ConstraintBlock.settle)
 
 
 @njit

@@ -9,6 +9,7 @@ import numpy as np
 from lamella._jit import kernel
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
+from lamella.assembly.point_state import OF_POINT
 from lamella.differentiation.alike import alike
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.reactions import Reactions
@@ -16,12 +17,7 @@ from lamella.differentiation.solution import PointDerivative
 from lamella.dofs import Signal
 from lamella.roles import Floats
 from lamella.signals import LOAD_FACTOR, system_signals
-from lamella.state import State
-
-Parts = dict[str, Callable[[State], Floats]]
-"""What makes the parts of a state, by name."""
-CHANGING = ("q", "v", "a", "lam", "reaction")
-"""What a state consists of beside time and load factor."""
+from lamella.state import PARTS, LateState, State
 
 
 class SignalDerivatives:
@@ -64,7 +60,7 @@ class SignalDerivatives:
         """Take note of a point of the solution."""
         if not self._recorded:
             return
-        state = self._state(self.equations, point)
+        state = self.equations.late_state(point)
         if self._reactions is not None:
             self._reactions.look(point, state)
         here = {name: _value(signal, state) for name, signal in self._own.items()}
@@ -81,9 +77,8 @@ class SignalDerivatives:
                 else:
                     found[name].append(_weighed(here[name], shares, [signal] * len(ends), ends))
             if beside.differ:
-                reacting = None if beside.react else state
                 sides = [
-                    state if same else self._state(side.equations, point, reacting)
+                    state if same else _state_of(side.equations, point, None if beside.react else state)
                     for side, same in zip(each.sides, beside.same, strict=True)
                 ]
                 weights = [side.weight for side in each.sides]
@@ -94,30 +89,9 @@ class SignalDerivatives:
             self.values[name].append(value)
             self.derivatives[name].append(np.array(found[name]).reshape(len(derivatives), -1))
 
-    def _state(self, equations: Equations, point: Point, reacting: State | None = None) -> State:
-        """The state of a model, with the reaction of another state if that is given."""
-        if self._reactions is not None and reacting is None:
-            return equations.state(point)
-        made: Parts = {
-            "q": lambda _: equations.coordinates(point),
-            "v": lambda _: equations.velocities(point),
-            "a": lambda _: equations.accelerations(point),
-            "lam": lambda _: equations.constraints.full(point.lam),
-            "reaction": lambda _: np.zeros(equations.model.n_q) if reacting is None else reacting.reaction,
-        }
-        return LateState(point.t, point.factor, made)
-
     def _change(self, each: Neighbours, state: State, known: PointDerivative) -> State:
-        """Derivative of the state, of the unknowns' part of it alone; of all of a reaction where parts of the residual tell."""
-        equations, held = self.equations, self._reactions
-        made: Parts = {
-            "q": lambda _: equations.expand(known.u),
-            "v": lambda _: equations.expand(known.ud),
-            "a": lambda _: equations.expand(known.udd),
-            "lam": lambda _: equations.constraints.full(known.lam),
-            "reaction": lambda change: np.zeros_like(change.q) if held is None else held.change(each, known, change),
-        }
-        return LateState(state.t, state.factor, made)
+        """Derivative of the state."""
+        return LateState(state.t, state.factor, _OF_CHANGE, (self.equations, known, each, self._reactions))
 
     def _along(self, each: Neighbours, state: State, change: State) -> tuple[Sequence[State], Sequence[float]]:
         """States along a change, of a small share of the bodies' size, and their weights in a derivative."""
@@ -128,7 +102,8 @@ class SignalDerivatives:
         else:
             fastest = max(np.abs(part).max(initial=0.0) for part in (change.v, change.a, change.lam, change.reaction))
             step = 1.0 / fastest if fastest > 0.0 else 1.0
-        return [_moved(state, place * step, change) for place, _ in rule], [weight / step for _, weight in rule]
+        ends = [LateState(state.t, state.factor, _OF_MOVED, (state, place * step, change)) for place, _ in rule]
+        return ends, [weight / step for _, weight in rule]
 
 
 class _Beside:
@@ -156,34 +131,42 @@ class _Beside:
         self.differ = [name for name in asked if not all(self.same) or not _alike([one[name] for one in self.signals])]
 
 
-class LateState(State):
-    """A state whose parts are made when a signal asks for them; most ask for one.
-
-    Args:
-        t: time [s].
-        factor: load factor.
-        made: makes each part, by name, from the state itself: one that knew it already would wait for the garbage collector.
-    """
-
-    def __init__(self, t: float, factor: float, made: Parts) -> None:
-        self.__dict__.update(t=t, factor=factor, made=made)
-
-    def __getattr__(self, name: str) -> Floats:
-        """A part that was not asked for yet."""
-        if name not in CHANGING:
-            raise AttributeError(name)
-        made: Parts = self.__dict__["made"]
-        part = self.__dict__[name] = made[name](self)
-        return part
+_OF_SIDE = {**OF_POINT, "reaction": lambda state: state.of[2].reaction}
+"""Parts of the state of a side, with the reaction of the model in the middle."""
 
 
-def _moved(state: State, distance: float, change: State) -> State:
-    """The state at a distance along a change."""
+def _state_of(side: Equations, point: Point, reacting: State | None) -> State:
+    """The state of a side, with its own reaction or that of another state."""
+    if reacting is None:
+        return side.late_state(point)
+    return LateState(point.t, point.factor, _OF_SIDE, (side, point, reacting))
 
-    def made(name: str) -> Callable[[State], Floats]:
-        return lambda _: getattr(state, name) + distance * getattr(change, name)
 
-    return LateState(state.t, state.factor, {name: made(name) for name in CHANGING})
+def _part_of_moved(name: str) -> Callable[[LateState], Floats]:
+    def made(moved: LateState) -> Floats:
+        state, distance, change = moved.of
+        return getattr(state, name) + distance * getattr(change, name)
+
+    return made
+
+
+_OF_MOVED = {name: _part_of_moved(name) for name in PARTS}
+"""Parts of a state at a distance along a change."""
+
+
+def _reaction_of_change(change: LateState) -> Floats:
+    equations, known, each, reactions = change.of
+    return np.zeros(equations.model.n_q) if reactions is None else reactions.change(each, known, change)
+
+
+_OF_CHANGE: dict[str, Callable[[LateState], Floats]] = {
+    "q": lambda change: change.of[0].expand(change.of[1].u),
+    "v": lambda change: change.of[0].expand(change.of[1].ud),
+    "a": lambda change: change.of[0].expand(change.of[1].udd),
+    "lam": lambda change: change.of[0].constraints.full(change.of[1].lam),
+    "reaction": _reaction_of_change,
+}
+"""Parts of the derivative of a state, of the unknowns alone; of a reaction all, where parts of the residual tell it."""
 
 
 @kernel
