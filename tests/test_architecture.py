@@ -43,7 +43,7 @@ LAYERS = [
     {"body"},
     {"joint", "load", "contact", "thermal", "sensor"},
     {"model"},
-    {"assembly", "signals"},
+    {"assembly", "signals", "reaction_signals"},
     {"solve"},
     {"integrate"},
     {

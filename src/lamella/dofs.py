@@ -57,7 +57,7 @@ class Signal:
         evaluate: gives the value from a state, shape (len(labels),) or scalar.
         description: a sentence for the result file.
         cumulative, history: whether it depends on all states, those not recorded as well; what it remembers of them.
-        linear: gives the change from one of the state, of a signal that is linear in it but for a constant.
+        derivative: gives the derivative along a change of the state, from the state and the change; None where it is not known.
         polynomial: whether it is a sum of products of few parts of the state, as a torque is of places and forces.
         potential: whether it is the potential of all force blocks.
     """
@@ -69,14 +69,14 @@ class Signal:
     description: str = ""
     cumulative: bool = False
     history: tuple[Memory, ...] = ()
-    linear: Callable[[State], Floats | float] | None = None
+    derivative: Callable[[State, State], Floats | float] | None = None
     polynomial: bool = False
     potential: bool = False
 
     @property
     def by_tables(self) -> bool:
         """Whether the derivatives of the elements' tables tell its own: a stiff strain need not be differenced."""
-        return self.linear is not None or self.polynomial or self.potential
+        return self.derivative is not None or self.polynomial or self.potential
 
 
 @dataclass(frozen=True)

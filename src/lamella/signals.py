@@ -1,4 +1,4 @@
-"""Signals of a whole system: reactions of supports, energies and work."""
+"""Signals of a whole system: energies and work, beside those of its parts."""
 
 from __future__ import annotations
 
@@ -7,18 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from lamella._jit import njit
 from lamella.assembly.equations import Equations
 from lamella.assembly.forces import ForceSum
-from lamella.assembly.operator import SumOperator
-from lamella.constraint.dot_block import DotBlock
-from lamella.dofs import Signal, Support
-from lamella.kinematics import StackedRows, vectors_of
+from lamella.dofs import Signal
 from lamella.memory import Memory
-from lamella.roles import Floats, ForceBlock, Ints
+from lamella.reaction_signals import reaction_signals
+from lamella.roles import Floats, ForceBlock
 from lamella.state import OncePerState, State
 
-AXES = ("x", "y", "z")
 LOAD_FACTOR = Signal("load_factor", "1", (), lambda state: state.factor, "factor of loads and support motions")
 """Recorded first in statics."""
 
@@ -28,113 +24,6 @@ def system_signals(equations: Equations) -> list[Signal]:
     model = equations.model
     reactions = [signal for support in model.supports for signal in reaction_signals(support, equations)]
     return [*model.signals, *reactions, *energy_signals(equations)]
-
-
-def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
-    """Force and torque that a support or joint exerts on its body, or on the body of its side.
-
-    The generalised force R = C^T mu - Phi_q^T lam acts on vectors x_k; a virtual translation gives the force, the sum over
-    positions of R_k, and a virtual rotation about the centre c the torque, the sum of (x_k - c) x R_k with c for positions only.
-    With P = sum_k (x_k - c) R_k^T the components of the torque are P_yz - P_zy, P_zx - P_xz, P_xy - P_yx.
-    """
-    model = equations.model
-    places = {row: k for k, row in enumerate(equations.elimination.kept)}
-    own = np.array([places[row] for row in support.rows if row in places], dtype=np.int64)
-    if support.single:
-        kind, unit = support.quantity
-        forces_of = equations.elimination.forces_of(own)
-        return [
-            Signal(
-                f"{support.name}.{kind}",
-                unit,
-                (),
-                lambda s: float(forces_of(s.reaction).sum()),
-                f"generalised {kind} of {support.name}",
-                polynomial=True,
-            )
-        ]
-    numbers, held_coords, coefs = equations.elimination.entries_of(own)
-    dots = DotBlock(support.name, [model.dots[row] for row in support.dots]) if support.dots else None
-    lam = np.array(support.dots, dtype=np.int64)  # the dot rows of joints come first
-    vectors = np.unique(np.concatenate([held_coords, np.zeros(0, np.int64) if dots is None else dots.j_cols]) // 3)
-    if support.side is not None:
-        vectors = np.array([k for k in vectors if model.owners[k] == support.side], dtype=np.int64)
-    coords = (3 * vectors[:, None] + np.arange(3)).reshape(-1)
-    weights, centre = model.is_position[vectors].astype(float), support.centre
-    entries = np.empty(0 if dots is None else len(dots.j_cols))
-    place = np.full(model.n_q, len(coords))  # what acts on the other side is left behind
-    place[coords] = np.arange(len(coords))
-    places = None if dots is None else place[dots.j_cols]
-    acting = place[held_coords] < len(coords)
-    held = SumOperator(place[held_coords[acting]], numbers[acting], coefs[acting], len(coords))
-    forces_of = equations.elimination.forces_of(own)
-
-    def evaluate(state: State) -> Floats:
-        f = held(forces_of(state.reaction))
-        if dots is not None and places is not None:
-            dots.jacobian(state.t, state.q, entries)
-            f -= np.bincount(places, entries * state.lam[lam][dots.j_rows], minlength=len(coords) + 1)[:-1]
-        found = np.empty(6)
-        _resultants(state.q, vectors, weights, f, centre.vectors, centre.weights, centre.constant, found)
-        return found
-
-    shared = OncePerState(evaluate)
-
-    def force(state: State) -> Floats:
-        return shared(state)[:3]
-
-    def torque(state: State) -> Floats:
-        return shared(state)[3:]
-
-    on = f" on {support.side}" if support.side else ""
-    signals = [
-        Signal(f"{support.name}.force", "N", AXES, force, f"force of {support.name}{on}", polynomial=True),
-        Signal(f"{support.name}.torque", "N m", AXES, torque, f"torque of {support.name}{on} about its centre", polynomial=True),
-    ]
-    frame = support.frame
-    if frame is None:
-        return signals
-
-    axes = StackedRows(frame.axes)
-    into_frame = OncePerState(lambda state: axes.at(vectors_of(state.q)))  # R_WF^T, whose rows are the axes
-
-    def local(evaluate: Callable[[State], Floats]) -> Callable[[State], Floats]:
-        return lambda state: into_frame(state).dot(evaluate(state))
-
-    where = "in the joint frame of a"
-    return [
-        *signals,
-        Signal(f"{support.name}.force_local", "N", AXES, local(force), f"force of {support.name}{on} {where}", polynomial=True),
-        Signal(
-            f"{support.name}.torque_local", "N m", AXES, local(torque), f"torque of {support.name}{on} {where}", polynomial=True
-        ),
-    ]
-
-
-@njit
-def _resultants(
-    q: Floats, vectors: Ints, weights: Floats, f: Floats,
-    centre_vectors: Ints, centre_weights: Floats, constant: Floats, out: Floats,
-) -> None:  # fmt: skip
-    """Force and torque out (6,) of forces f on vectors x_k: sum w_k f_k and sum (x_k - w_k c) x f_k.
-
-    The weight w_k is 1 for positions, else 0; the centre c is a sum of vectors with weights, and a constant.
-    """
-    c0, c1, c2 = constant[0], constant[1], constant[2]
-    for i in range(len(centre_vectors)):
-        k, w = 3 * centre_vectors[i], centre_weights[i]
-        c0, c1, c2 = c0 + w * q[k], c1 + w * q[k + 1], c2 + w * q[k + 2]
-    out[:] = 0.0
-    for i in range(len(vectors)):
-        k, w = 3 * vectors[i], weights[i]
-        x0, x1, x2 = q[k] - w * c0, q[k + 1] - w * c1, q[k + 2] - w * c2
-        f0, f1, f2 = f[3 * i], f[3 * i + 1], f[3 * i + 2]
-        out[0] += w * f0
-        out[1] += w * f1
-        out[2] += w * f2
-        out[3] += x1 * f2 - x2 * f1
-        out[4] += x2 * f0 - x0 * f2
-        out[5] += x0 * f1 - x1 * f0
 
 
 class WorkMeter(Memory):
@@ -242,6 +131,9 @@ def energy_signals(equations: Equations) -> list[Signal]:
         v = state.v
         return 0.5 * float(v.dot(equations.momentum(v))) if v.dot(v) else 0.0  # statics then needs no mass
 
+    def kinetic_change(state: State, change: State) -> float:
+        return float(change.v.dot(equations.momentum(state.v))) if state.v.dot(state.v) else 0.0
+
     potentials = OncePerState(lambda s: [block.energy(s.t, s.q) for block in model.forces])
 
     def strain(state: State) -> float:
@@ -290,7 +182,7 @@ def energy_signals(equations: Equations) -> list[Signal]:
         return from_start(total)
 
     return [
-        Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy", polynomial=True),
+        Signal("energy.kinetic", "J", (), kept("kinetic", kinetic), "kinetic energy", derivative=kinetic_change),
         Signal("energy.strain", "J", (), kept("strain", strain), "strain energy", potential=True),
         Signal("work.loads", "J", (), kept("loads", loads), "work of the loads", cumulative=True, history=(loads,)),
         Signal(

@@ -12,8 +12,8 @@ from lamella.assembly.equations import Equations
 from lamella.dofs import DotRow
 from lamella.errors import ModelError
 from lamella.math.rotation import polar
+from lamella.reaction_signals import reaction_signals
 from lamella.roles import Declaration
-from lamella.signals import reaction_signals
 from lamella.solve.initial import make_consistent
 from lamella.solve.linear import linear_solver
 

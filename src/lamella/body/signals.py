@@ -17,16 +17,13 @@ AXES = ("x", "y", "z")
 def marker_signals(name: str, where: str, rows: PointRows) -> list[Signal]:
     """Position and velocity of a marker."""
 
-    def moved(state: State) -> Floats:
-        return rows.moved(vectors_of(state.q))
-
     def velocity(state: State) -> Floats:
         return rows.moved(vectors_of(state.v))
 
     position = f"{name}.position", "m", AXES, lambda state: rows.at(vectors_of(state.q)), f"position of {where}"
     return [
-        Signal(*position, linear=moved),
-        Signal(f"{name}.velocity", "m/s", AXES, velocity, f"velocity of {where}", linear=velocity),
+        Signal(*position, derivative=lambda _, change: rows.moved(vectors_of(change.q))),
+        Signal(f"{name}.velocity", "m/s", AXES, velocity, f"velocity of {where}", derivative=lambda _, change: velocity(change)),
     ]
 
 

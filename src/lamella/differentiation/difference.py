@@ -63,6 +63,7 @@ class PartDifference:
         follows: whether coordinates may follow the parameter as well: where all forces tell of both at once, and loads do not
             depend on them.
         moves: whether supports hold coordinates where the parameter says, so that these must follow.
+        forces_differ: whether any block of the forces is another one in the models.
     """
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
@@ -74,6 +75,7 @@ class PartDifference:
         self._held += held
         self.moves = bool(self._held.any())
         self.follows = self._forces.complete and _of_forces(base)
+        self.forces_differ = self._forces.differ
 
     def __call__(self, point: Point, dud: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats]:
         """The derivatives, as :class:`WholeDifference` gives them."""

@@ -43,11 +43,13 @@ class ForceParts:
     Attributes:
         changes: of the blocks that have one.
         complete: whether all have.
+        differ: whether any block is another one in the models.
     """
 
     def __init__(self, base: Equations, of_base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum]) -> None:
         blocks = [*zip(*([block for block, _ in each.parts] for each in sums), strict=True)]
         changed = [remembers(first) or not all(alike(first, other) for other in others) for first, *others in blocks]
+        self.differ = any(changed)
         of_values = [block for block, _ in of_base.parts]
         wholes = [
             _whole(value, beside, sides) if one else None for one, value, beside in zip(changed, of_values, blocks, strict=True)

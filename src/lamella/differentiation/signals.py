@@ -23,11 +23,12 @@ from lamella.state import PARTS, LateState, State
 class SignalDerivatives:
     """Some signals along a solution, with their derivatives by each parameter.
 
-    The derivative of y(state(p), p) has two parts, each a central difference of signals: between the neighbours with the unknowns
-    as they are, where their signals differ, and along the change of the state, where a signal is not linear. Signals are at most
-    quadratic in velocities and forces, and most are in positions: there differences are exact up to rounding. Differences of
-    reactions and of the potential of all forces would lose digits: the parts of the residual tell their derivatives where they
-    can. That of a reaction then belongs to the change of the state, and neighbours have the reaction of the model in the middle.
+    The derivative of y(state(p), p) has two parts: a central difference of signals between the neighbours with the unknowns as
+    they are, where their signals differ, and the derivative along the change of the state, which signals tell themselves or which
+    is a central difference as well. They are at most quadratic in velocities and forces, and most are in positions: there
+    differences are exact up to rounding. Differences of reactions and of the potential of all forces would lose digits: the parts
+    of the residual tell their derivatives where they can. That of a reaction then belongs to the change of the state, and
+    neighbours have the reaction of the model in the middle.
 
     Args:
         equations: of the model.
@@ -47,7 +48,7 @@ class SignalDerivatives:
         self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
         self._per_size = 1.0 / equations.model.magnitude
         self._beside = [_Beside(equations, each, self._own, self._reactions is not None) for each in neighbours]
-        self._recorded, self._bend = bool(names), not all(signal.linear for signal in self._own.values())
+        self._recorded = bool(names)
         self.at: list[float] = []
         self.values: dict[str, list[Floats]] = {name: [] for name in names}
         self.derivatives: dict[str, list[Floats]] = {name: [] for name in names}
@@ -68,12 +69,12 @@ class SignalDerivatives:
         for beside, known in zip(self._beside, derivatives, strict=True):
             each = beside.neighbours
             change = self._change(each, state, known)
-            ends, shares = self._along(each, state, change) if self._bend else ((), ())
+            ends, shares = self._along(each, state, change) if beside.bends else ((), ())
             for name, signal in self._own.items():
                 if each.following and signal.potential:
                     found[name].append(np.array([each.following.energy(point, known.u)]))
-                elif signal.linear:
-                    found[name].append(np.atleast_1d(signal.linear(change)))
+                elif signal.derivative:
+                    found[name].append(np.atleast_1d(signal.derivative(state, change)))
                 else:
                     found[name].append(_weighed(here[name], shares, [signal] * len(ends), ends))
             if beside.differ:
@@ -118,6 +119,7 @@ class _Beside:
     Attributes:
         signals: the same signals, of each neighbour by name.
         react: whether reactions are differenced between the neighbours.
+        bends: whether signals are differenced along the change of the state.
         same: whether the state of each neighbour is that in the middle.
         differ: names of the signals whose differences between the neighbours belong to their derivatives.
     """
@@ -128,7 +130,15 @@ class _Beside:
         self.react = reacting and neighbours.parts is None
         self.same = [not self.react and side.equations.same_coordinates(equations) for side in neighbours.sides]
         asked = [name for name, signal in own.items() if not (neighbours.following and signal.potential)]
-        self.differ = [name for name in asked if not all(self.same) or not _alike([one[name] for one in self.signals])]
+        self.bends = not all(own[name].derivative for name in asked)
+        potential_differs = not all(self.same) or neighbours.parts is None or neighbours.parts.forces_differ
+
+        def differs(name: str) -> bool:
+            if own[name].potential:
+                return potential_differs
+            return not all(self.same) or not _alike([one[name] for one in self.signals])
+
+        self.differ = [name for name in asked if differs(name)]
 
 
 _OF_SIDE = {**OF_POINT, "reaction": lambda state: state.of[2].reaction}
