@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from lamella.assembly.point import Point
 from lamella.roles import Floats
 
 
-def _reaction(state: Any) -> Floats:
-    """M a + f + Phi_q^T lam in all coordinates, shape (n_q,)."""
-    equations, point = state.of
-    found = point.factor * equations.loads(point.t, state.q, state.v)
-    found += equations.forces(point.t, state.q, state.v)
+def reaction_at(equations: Any, point: Point, q: Floats, v: Floats, a: Floats) -> Floats:
+    """M a + f + Phi_q^T lam in all coordinates, shape (n_q,), from those at a point, their velocities and accelerations."""
+    found = point.factor * equations.loads(point.t, q, v)
+    found += equations.forces(point.t, q, v)
     if not point.at_rest:
-        equations.mass.in_all.onto(state.a, found)
-    equations.constraints.add_force(point.t, state.q, point.lam, found)
+        equations.mass.in_all.onto(a, found)
+    equations.constraints.add_force(point.t, q, point.lam, found)
     return found
 
 
@@ -24,6 +24,6 @@ OF_POINT: dict[str, Callable[[Any], Floats]] = {
     "v": lambda state: state.of[0].velocities(state.of[1]),
     "a": lambda state: state.of[0].accelerations(state.of[1]),
     "lam": lambda state: state.of[0].constraints.full(state.of[1].lam).copy(),
-    "reaction": _reaction,
+    "reaction": lambda state: reaction_at(state.of[0], state.of[1], state.q, state.v, state.a),
 }
 """What makes them in a :class:`~lamella.state.LateState` of the equations and the point."""

@@ -35,12 +35,18 @@ def rigid_signals(name: str, frame: RigidFrame) -> list[Signal]:
         S = vectors_of(state.q)[axes].T @ vectors_of(state.v)[axes]  # twice its skew part; cross is slow on this
         return 0.5 * np.array([S[1, 2] - S[2, 1], S[2, 0] - S[0, 2], S[0, 1] - S[1, 0]])
 
+    def position(state: State) -> Floats:
+        return vectors_of(state.q)[first].copy()
+
+    def velocity(state: State) -> Floats:
+        return vectors_of(state.v)[first].copy()
+
     turned = OncePerState(lambda state: frame.rotation(state.q))
     elements = tuple(f"{i}{j}" for i in AXES for j in AXES)
     where = f"the origin of {name}"
     return [
-        Signal(f"{name}.position", "m", AXES, lambda state: vectors_of(state.q)[first].copy(), f"position of {where}"),
-        Signal(f"{name}.velocity", "m/s", AXES, lambda state: vectors_of(state.v)[first].copy(), f"velocity of {where}"),
+        Signal(f"{name}.position", "m", AXES, position, f"position of {where}", derivative=lambda _, change: position(change)),
+        Signal(f"{name}.velocity", "m/s", AXES, velocity, f"velocity of {where}", derivative=lambda _, change: velocity(change)),
         Signal(f"{name}.rotation", "1", elements, lambda s: turned(s).reshape(-1), f"rotation matrix of {name}"),
         Signal(
             f"{name}.quaternion",
