@@ -27,6 +27,7 @@ from lamella.signals import system_signals
 from lamella.solve.linear import linear_solver
 from lamella.solve.turned import TurnedSolver, Vectors
 from lamella.solve.turned_nodes import turned_solver
+from lamella.sweep.outputs import StudyOutput
 
 TIGHT = lm.Newton(tolerance=1e-12, keep=0.0, line_search=True)
 SPAN = 1e-3
@@ -520,8 +521,18 @@ def test_models_beside_take_over_the_operators_of_supports() -> None:
     np.testing.assert_allclose(thicker.residual(point)[0], alone.residual(point)[0], rtol=1e-12)
 
 
-@pytest.mark.parametrize(("name", "beside"), [("thickness", 2), ("force", 2), ("length", 4)])
-def test_a_parameter_asks_for_two_models_beside_and_one_that_moves_places_for_four(name: str, beside: int) -> None:
+@pytest.mark.parametrize(
+    ("name", "output", "beside"),
+    [
+        ("thickness", lm.SignalOutput("power.dissipated"), 2),
+        ("force", lm.SignalOutput("power.dissipated"), 2),
+        ("length", lm.SignalOutput("power.dissipated"), 4),
+        ("length", lm.MassOutput(), 2),
+    ],
+)
+def test_a_parameter_asks_for_two_models_beside_and_one_that_moves_places_for_four_unless_tables_tell(
+    name: str, output: StudyOutput, beside: int
+) -> None:
     made = []
 
     def counted(**values: float) -> lm.System:
@@ -529,7 +540,7 @@ def test_a_parameter_asks_for_two_models_beside_and_one_that_moves_places_for_fo
         return panel(**values)
 
     at = {"thickness": 2e-3, "force": -20.0, "length": 0.5}[name]
-    lm.gradient(counted, {name: at}, {"mass": lm.MassOutput()}, analyses=(lm.Statics("still"),))
+    lm.gradient(counted, {name: at}, {"output": output}, analyses=(lm.Statics("still"),))
     assert len(made) == len(set(made)) == 1 + beside
 
 

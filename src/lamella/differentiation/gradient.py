@@ -13,11 +13,12 @@ from lamella.assembly.equations import Equations
 from lamella.differentiation.chain import Chain, refuse
 from lamella.differentiation.family import Family, FileFamily, FunctionFamily, Values
 from lamella.differentiation.neighbours import neighbours_of
+from lamella.dofs import Signal
 from lamella.errors import DeclarationError, no_such
 from lamella.io.analysis import Analysis
 from lamella.result import Sink
 from lamella.roles import Floats
-from lamella.sweep.outputs import SignalOutput, StudyOutput, recorded
+from lamella.sweep.outputs import MassOutput, SignalOutput, StudyOutput, recorded
 from lamella.sweep.parameter import Parameter, check_paths, quantity_of
 from lamella.system import System
 
@@ -163,10 +164,7 @@ def differentiated(
             raise DeclarationError("gradient", f"{name} changes an analysis", "accepted is a parameter of the system")
         return there
 
-    by_tables = all(
-        isinstance(output, SignalOutput) and signals[chosen[name].name][output.signal].by_tables
-        for name, output in outputs.items()
-    )
+    by_tables = all(_by_tables(output, signals[chosen[name].name]) for name, output in outputs.items())
     neighbours = [
         neighbours_of(name, equations, value, sizes.get(name, abs(value) or 1.0), lambda x, name=name: made(name, x), by_tables)
         for name, value in values.items()
@@ -176,6 +174,11 @@ def differentiated(
         chain.run(analyses[name], own[name])
     ordered = {name: chain.values[name] for name in outputs}
     return Gradient(dict(values), ordered, {name: chain.derivatives[name] for name in outputs}, units, dict(family.units))
+
+
+def _by_tables(output: StudyOutput, signals: Mapping[str, Signal]) -> bool:
+    """Whether the derivatives of the elements' tables tell that of an output."""
+    return isinstance(output, MassOutput) or (isinstance(output, SignalOutput) and signals[output.signal].by_tables)
 
 
 def _ordered(given: Sequence[Analysis]) -> dict[str, Analysis]:

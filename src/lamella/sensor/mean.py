@@ -38,6 +38,20 @@ class MeanPosition(Declaration):
         mean = VectorRows(own, weights / weights[positions].sum(), np.zeros(3))
         what = f"of {self.on.name}, averaged over its area"
         build.signals += [
-            Signal(f"{self.name}.position", "m", AXES, lambda s: mean.at(vectors_of(s.q)), f"position {what}"),
-            Signal(f"{self.name}.velocity", "m/s", AXES, lambda s: mean.rate(vectors_of(s.v)), f"velocity {what}"),
+            Signal(
+                f"{self.name}.position",
+                "m",
+                AXES,
+                lambda s: mean.at(vectors_of(s.q)),
+                f"position {what}",
+                derivative=lambda _, change: mean.rate(vectors_of(change.q)),
+            ),
+            Signal(
+                f"{self.name}.velocity",
+                "m/s",
+                AXES,
+                lambda s: mean.rate(vectors_of(s.v)),
+                f"velocity {what}",
+                derivative=lambda _, change: mean.rate(vectors_of(change.v)),
+            ),
         ]
