@@ -46,8 +46,8 @@ def balanced_truncation(
     R = _root(linalg.solve_continuous_lyapunov(F.T, -H.T @ H))
     U, sigma, Vt = linalg.svd(R.T @ S)
     r = order - unstable
-    possible = int(np.sum(sigma > n * np.finfo(float).eps * sigma.max(initial=0.0)))
-    r = min(r, possible)  # the states beyond are neither controllable nor observable
+    rounding = n * np.finfo(float).eps * np.linalg.norm(R, 2) * np.linalg.norm(S, 2)
+    r = min(r, int(np.sum(sigma > rounding)))  # the states beyond are neither controllable nor observable
     W, T = R @ U[:, :r] / np.sqrt(sigma[:r]), S @ Vt[:r].T / np.sqrt(sigma[:r])
     A_r = np.block([[kept[0], np.zeros((unstable, r))], [np.zeros((r, unstable)), W.T @ F @ T]])
     return A_r, np.vstack([kept[1], W.T @ G]), np.hstack([kept[2], H @ T]), sigma, 2.0 * float(sigma[r:].sum())
