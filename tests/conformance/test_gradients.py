@@ -27,6 +27,7 @@ from lamella.signals import system_signals
 from lamella.solve.linear import linear_solver
 from lamella.solve.turned import TurnedSolver, Vectors
 from lamella.solve.turned_nodes import turned_solver
+from lamella.state import State
 from lamella.sweep.outputs import StudyOutput
 
 TIGHT = lm.Newton(tolerance=1e-12, keep=0.0, line_search=True)
@@ -434,6 +435,39 @@ def test_signals_that_tell_their_derivatives_have_those_of_any_other(component: 
     monkeypatch.setattr(dofs.Signal, "derivative", property(lambda self: None, lambda self, value: None))
     monkeypatch.setattr(dofs.Signal, "by_tables", True)  # the same models beside
     np.testing.assert_allclose(told.matrix, lm.gradient(damped, at, outputs, analyses=swing).matrix, rtol=1e-6)
+
+
+def sensed() -> lm.System:
+    """A plate that a rigid hub carries in a bearing on the ground, and one that is clamped, with all that tells of them."""
+    system = mechanism()
+    plate = system.add(lm.Plate("plate", (0.5, 0.2), (2, 1), lm.Laminate(lm.Isotropic(7e10, 0.3, 2700.0), thickness=2e-3)))
+    system.add(lm.Clamp("clamp", plate.edge("x-")))
+    system.add(lm.MeanPosition("mean", plate))
+    return system
+
+
+def test_derivatives_that_signals_tell_are_those_of_their_values() -> None:
+    """They are at most quadratic in the state, so that a central difference is exact but for rounding."""
+    equations, rng = Equations(sensed().compile()), np.random.default_rng(5)
+    sizes = [equations.model.n_q] * 3 + [equations.constraints.n_all, equations.model.n_q]
+    parts, change = ([rng.standard_normal(n) for n in sizes] for _ in range(2))
+    ends = [State(0.0, *(x + h * dx for x, dx in zip(parts, change, strict=True))) for h in (1.0, -1.0)]
+    told = [signal for signal in system_signals(equations) if signal.derivative]
+    for signal in told:
+        found = signal.derivative(State(0.0, *parts), State(0.0, *change))
+        above, below = (np.asarray(signal.evaluate(end)) for end in ends)
+        np.testing.assert_allclose(found, 0.5 * (above - below), rtol=1e-11, atol=1e-11, err_msg=signal.name)
+        assert np.any(found)
+    kinds = {signal.name for signal in told}
+    assert kinds >= {
+        "hub.position",
+        "hub.velocity",
+        "mean.position",
+        "mean.velocity",
+        "clamp.force",
+        "clamp.torque",
+        "energy.kinetic",
+    }
 
 
 def square(thickness: float) -> lm.System:

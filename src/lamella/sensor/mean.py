@@ -11,7 +11,8 @@ from lamella.body.signals import AXES
 from lamella.declaration import declaration
 from lamella.dofs import Build, Signal
 from lamella.kinematics import VectorRows, vectors_of
-from lamella.roles import Declaration
+from lamella.roles import Declaration, Floats
+from lamella.state import State
 
 
 @declaration
@@ -37,21 +38,19 @@ class MeanPosition(Declaration):
         positions = np.concatenate(build.is_position)[own]
         mean = VectorRows(own, weights / weights[positions].sum(), np.zeros(3))
         what = f"of {self.on.name}, averaged over its area"
+
+        def position(state: State) -> Floats:
+            return mean.at(vectors_of(state.q))
+
+        def moved(_: State, change: State) -> Floats:
+            return mean.rate(vectors_of(change.q))
+
+        def velocity(state: State) -> Floats:
+            return mean.rate(vectors_of(state.v))
+
         build.signals += [
+            Signal(f"{self.name}.position", "m", AXES, position, f"position {what}", derivative=moved),
             Signal(
-                f"{self.name}.position",
-                "m",
-                AXES,
-                lambda s: mean.at(vectors_of(s.q)),
-                f"position {what}",
-                derivative=lambda _, change: mean.rate(vectors_of(change.q)),
-            ),
-            Signal(
-                f"{self.name}.velocity",
-                "m/s",
-                AXES,
-                lambda s: mean.rate(vectors_of(s.v)),
-                f"velocity {what}",
-                derivative=lambda _, change: mean.rate(vectors_of(change.v)),
+                f"{self.name}.velocity", "m/s", AXES, velocity, f"velocity {what}", derivative=lambda _, change: velocity(change)
             ),
         ]
