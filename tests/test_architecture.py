@@ -28,6 +28,7 @@ LAYERS = [
         "state",
         "critical",
         "inertia",
+        "numbering",
         "result",
         "progress",
         "compilation",

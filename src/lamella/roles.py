@@ -28,6 +28,7 @@ from lamella.memory import Memory
 
 if TYPE_CHECKING:
     from lamella.dofs import Build
+    from lamella.numbering import Numbering
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -163,6 +164,13 @@ class ForceBlock(Memory, Force):
     @abstractmethod
     def energy(self, t: float, q: Floats) -> float:
         """Potential energy [J]."""
+
+    def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> ForceBlock | None:
+        """A block of those of its items alone that act on some coordinates (n_q,), numbered anew if there is a numbering.
+
+        Items must read no coordinates but those that they act on. None where they cannot be told apart.
+        """
+        return None
 
     def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Write f(t, q, v) - f(t, q, 0) to the force buffer ``f`` (n_f,)."""

@@ -586,7 +586,7 @@ def test_product_of_tangents_is_that_with_the_matrix(made: Callable[[], lm.Syste
     state = run.final
     point = of.point_of(state, state.t)
     x = np.cos(np.arange(of.n_u))
-    tangents = TangentProduct(of.model, of.forces, of.loads, of.constraints)
+    tangents = TangentProduct(of.forces, of.loads, of.constraints)
     tangents.look(of.start(), state.q, state.v, STATIC)  # what was seen before is forgotten
     tangents.look(point, state.q, state.v, STATIC)
     expected = of.matrix.pattern.matrix(of.linearise(point, STATIC)[2].copy()) @ x

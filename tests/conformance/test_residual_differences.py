@@ -117,11 +117,11 @@ def test_parts_tell_the_derivative_of_reactions(name, how):
     for at in (still, point):
         expected = beside.difference(lambda side, at=at: side.equations.state(at).reaction)
         largest = np.abs(base.state(at).reaction).max() * abs(scale)
-        np.testing.assert_allclose(beside.parts.reaction(at), expected, atol=ROUNDING * largest)
+        np.testing.assert_allclose(beside.parts.reaction(at, base.state(at)), expected, atol=ROUNDING * largest)
     if beside.parts.follows:
         du = 0.1 * np.cos(2.0 * np.arange(base.n_u)) * base.magnitude
         one = PointDerivative(du, dud, dudd, np.zeros(0))
-        found, unmoved = (beside.parts.reaction(point, *rates) for rates in ((du, dud, dudd), ()))
+        found, unmoved = (beside.parts.reaction(point, base.state(point), *rates) for rates in ((du, dud, dudd), ()))
         change = State(point.t, *(base.expand(x) for x in (du, dud, dudd)), np.zeros(0), np.zeros(0))
         tangents = Reactions(base)
         tangents.look(point, base.state(point))

@@ -82,6 +82,11 @@ class Elimination:
             return Diagonal(self._kept[2] ** 2)
         return linalg.splu(sparse.csc_array(self.C @ self.C.T))
 
+    @property
+    def held_coordinates(self) -> Ints:
+        """The coordinates that the rows kept hold, alone or with others; some may be listed twice."""
+        return self._kept[1]
+
     def entries_of(self, rows: Ints) -> tuple[Ints, Ints, Floats]:
         """The entries of some of the rows kept: which of these, coordinate and coefficient of each."""
         starts, coords, coefs = taken(self._kept, rows)

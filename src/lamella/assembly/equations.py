@@ -10,6 +10,7 @@ from scipy import sparse
 from lamella.assembly.constraints import ConstraintStack
 from lamella.assembly.elimination import eliminate
 from lamella.assembly.forces import ForceSum
+from lamella.assembly.holding import Holding
 from lamella.assembly.independence import Redundancy, described, independent_rows
 from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
@@ -66,6 +67,7 @@ class Equations:
         self.gather = known.gather if known else self.expand.transposed(self.n_u)
         self.held = self.elimination.particular(self.elimination.constant)
         """Coordinates where all unknowns are zero and supports have not moved."""
+        self.holding = Holding(model, self.elimination.held_coordinates, self.forces, self.loads, self.constraints)
         self._at_rest = np.zeros(model.n_q)
         self._moved, self._carried = Recent(), Recent()
         self._row_size = np.zeros(0)
@@ -167,6 +169,7 @@ class Equations:
         self._carried.clear()
         self.forces.forget()
         self.loads.forget()
+        self.holding.forget()
 
     def _moved_at(self, t: float, factor: float) -> Floats:
         """What supports add to the coordinates, shape (n_q,)."""

@@ -46,7 +46,8 @@ class ForceSum(Generic[Block]):
         self._t = np.nan
         self._in_all: Floats | None = None
         self._in_independent: Floats | None = None
-        self._to, self._like = (n_q, T), like
+        self.onto_what, self._like = (n_q, T), like
+        """Number of coordinates, and the map from independent ones, if there is one."""
         self._shares = [1.0] * len(blocks) if weights is None else weights
 
     @cached_property
@@ -62,7 +63,7 @@ class ForceSum(Generic[Block]):
         """The sums in all coordinates and in the independent ones; made when first asked for, as some never are."""
         if self._like is not None and all(map(np.array_equal, self._form, self._like._form)):
             return self._like._operators
-        (coords, factors), (n_q, T) = self._form, self._to
+        (coords, factors), (n_q, T) = self._form, self.onto_what
         used = np.flatnonzero(coords >= 0)
         in_all = SumOperator(coords[used], used, factors[used], n_q)
         if T is None:

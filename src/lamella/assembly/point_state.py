@@ -11,12 +11,7 @@ from lamella.roles import Floats
 
 def reaction_at(equations: Any, point: Point, q: Floats, v: Floats, a: Floats) -> Floats:
     """M a + f + Phi_q^T lam in all coordinates, shape (n_q,), from those at a point, their velocities and accelerations."""
-    found = point.factor * equations.loads(point.t, q, v)
-    found += equations.forces(point.t, q, v)
-    if not point.at_rest:
-        equations.mass.in_all.onto(a, found)
-    equations.constraints.add_force(point.t, q, point.lam, found)
-    return found
+    return equations.holding.reaction(point.t, point.factor, q, v, None if point.at_rest else a, point.lam)
 
 
 OF_POINT: dict[str, Callable[[Any], Floats]] = {

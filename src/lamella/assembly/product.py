@@ -16,7 +16,6 @@ from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, VectorOperator, negative_sum
 from lamella.assembly.point import Point, Weights
 from lamella.lane import WIDTH, load_at, number_at, spread, store_at, total
-from lamella.model import Model
 from lamella.roles import ConstraintBlock, Floats, ForceBlock, ForceChange, Ints, MatrixFreeBlock, TangentOperator
 
 Unsigned = NDArray[np.uint32]
@@ -66,30 +65,24 @@ class TangentProduct:
     A matrix in all coordinates would have to be laid out first, which costs as much as some hundred products.
 
     Args:
-        model: the compiled model.
         forces, loads: the blocks.
         constraints: the constraints, with the rows that are kept.
         T: map from independent to all coordinates, (n_q, n_u), for :meth:`reduced`.
     """
 
     def __init__(
-        self,
-        model: Model,
-        forces: ForceSum,
-        loads: ForceSum,
-        constraints: ConstraintStack,
-        T: sparse.csr_array | None = None,
+        self, forces: ForceSum, loads: ForceSum, constraints: ConstraintStack, T: sparse.csr_array | None = None
     ) -> None:
         self._constraints = constraints
         free = [block for block, _ in forces.parts if isinstance(block, MatrixFreeBlock)]
-        self._sum = ForceSum(free, model.n_q, T, None if T is None else forces)
+        self._sum = ForceSum(free, forces.onto_what[0], T, None if T is None else forces)
         self._free, self._ahead = free, Ahead(None, None)
         self._operators = [(block.tangent(), part) for block, (_, part) in zip(free, self._sum.parts, strict=True)]
         self._listed = [
             [(block, _Entries(block)) for block, _ in summed.parts if block not in free and len(block.k_rows)]
             for summed in (forces, loads)
         ]
-        self._curvatures = [(block, _Entries(block)) for block in model.constraints]
+        self._curvatures = [(block, _Entries(block)) for block, _ in constraints.blocks]
         self._entries = [entries for _, entries in chain(*self._listed, self._curvatures) if len(entries.k)]
         self.lists = bool(self._entries)
         """Whether tangents are multiplied entry by entry as well."""

@@ -19,9 +19,11 @@ from lamella.differentiation.alike import alike
 from lamella.differentiation.parts import ForceParts, Side, moved
 from lamella.inertia import differenced
 from lamella.roles import Floats, ForceChange, remembers
+from lamella.state import State
 
 Onto = Callable[[ForceSum, Floats], Floats]
 """Adds what a sum's buffer holds, in the coordinates that it chooses."""
+LoadsAndForces = tuple[ForceParts, ForceParts]
 LOST = 1e-8
 """What a difference of masses may lose, as a share of the masses on the diagonal."""
 
@@ -68,8 +70,8 @@ class PartDifference:
 
     def __init__(self, base: Equations, sides: Sequence[Side]) -> None:
         self._base, self._sides, equations = base, sides, [side.equations for side in sides]
-        self._forces = ForceParts(base, base.forces, sides, [there.forces for there in equations])
-        self._loads = ForceParts(base, base.loads, sides, [there.loads for there in equations])
+        self._forces = ForceParts(base.forces, sides, [there.forces for there in equations])
+        self._loads = ForceParts(base.loads, sides, [there.loads for there in equations])
         held = sum(side.weight * (side.equations.held - base.held) for side in sides)
         self._held, self._still = np.zeros((2, base.model.n_q))
         self._held += held
@@ -100,24 +102,35 @@ class PartDifference:
             dv = base.expand(moved(dud, weights.alpha_v, du))
         return self._with_inertia(*self._apart(point, self._following(du), dv, moved(dudd, weights.alpha_a, du), ahead))
 
-    def reaction(self, point: Point, du: Floats | None = None, dud: Floats | None = None, dudd: Floats | None = None) -> Floats:
+    def reaction(
+        self, point: Point, state: State, du: Floats | None = None, dud: Floats | None = None, dudd: Floats | None = None
+    ) -> Floats:
         """The derivative of the reaction M a + f + Phi_q^T lam, shape (n_q,).
 
         Of unknowns as they are, or of those that follow the parameter, where coordinates may.
+
+        Args:
+            point, state: where; two descriptions of it.
+            du, dud, dudd: how unknowns, velocities and accelerations follow.
         """
-        base, f = self._base, np.zeros(self._base.model.n_q)
+        base, holding = self._base, self._base.holding
+        near, on_held = holding.near, self._on_held
         dq = self._following(du) if du is not None else self._held if self.moves else None
         dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
-        self._add_forces(point, dq, dv, f, ForceSum.onto_all)
+        v = near(state.v) if base.depends_on_velocity else self._still
+        f = np.zeros(holding.n_near)
+        places = near(state.q), v, None if dq is None else near(dq), None if dv is None else near(dv)
+        self._add_forces(on_held, point, *places, f, ForceSum.onto_all)
         if not point.at_rest:
-            mass = self._mass
+            mass, da = self._mass, None if dudd is None else near(base.expand(dudd))
             if isinstance(mass, _MassDifference):
-                mass.in_all.onto(base.accelerations(point), f)
+                mass.of_held.onto(near(state.a), f)
             elif mass is not None:
-                base.mass.in_all.onto(mass * base.accelerations(point), f)
-            if dudd is not None:
-                base.mass.in_all.onto(base.expand(dudd), f)
-        return f
+                a = near(state.a)
+                da = mass * a if da is None else moved(da, mass, a)
+            if da is not None:
+                holding.mass.onto(da, f)
+        return holding.whole(f)
 
     def energy(self, point: Point, du: Floats) -> float:
         """The derivative of the potential of all forces, of unknowns that follow the parameter; only where coordinates may."""
@@ -132,8 +145,9 @@ class PartDifference:
     def _apart(
         self, point: Point, dq: Floats | None, dv: Floats | None, dudd: Floats | None, ahead: Ahead | None = None
     ) -> tuple[Floats, Floats, Floats | None]:
-        r = np.zeros(len(point.u))
-        self._add_forces(point, dq, dv, r, ForceSum.onto, ahead)
+        r, base = np.zeros(len(point.u)), self._base
+        places = base.coordinates(point), base.force_velocities(point), dq, dv
+        self._add_forces((self._loads, self._forces), point, *places, r, ForceSum.onto, ahead)
         if not point.at_rest:
             mass = self._mass
             if isinstance(mass, _MassDifference):
@@ -142,19 +156,34 @@ class PartDifference:
                 dudd = mass * point.udd if dudd is None else moved(dudd, mass, point.udd)
         return r, np.zeros(len(point.lam)), dudd
 
+    @cached_property
+    def _on_held(self) -> LoadsAndForces:
+        """The parts of what acts on held coordinates, made for reactions."""
+        own, sides, of = self._base.holding.acting, self._sides, [side.equations.holding.acting for side in self._sides]
+        loads = ForceParts(own.loads, sides, [there.loads for there in of])
+        return loads, ForceParts(own.forces, sides, [there.forces for there in of], all_change=self.follows)
+
     def _add_forces(
-        self, point: Point, dq: Floats | None, dv: Floats | None, f: Floats, onto: Onto, ahead: Ahead | None = None
+        self,
+        parts: LoadsAndForces,
+        point: Point,
+        q: Floats,
+        v: Floats,
+        dq: Floats | None,
+        dv: Floats | None,
+        f: Floats,
+        onto: Onto,
+        ahead: Ahead | None = None,
     ) -> None:
-        """Add the derivatives of forces and loads to zeros, in the coordinates that ``onto`` sums in."""
-        base = self._base
-        q, v = base.coordinates(point), base.force_velocities(point)
+        """Add the derivatives of loads and forces to zeros, in the coordinates that ``onto`` sums in."""
+        loads, forces = parts
         if dq is not None and dv is None:
             dv = self._still
-        for part in self._loads.evaluate(point.t, q, v, dq, dv):
+        for part in loads.evaluate(point.t, q, v, dq, dv):
             onto(part, f)
         if point.factor != 1.0:
             f *= point.factor
-        for part in self._forces.evaluate(point.t, q, v, dq, dv, ahead):
+        for part in forces.evaluate(point.t, q, v, dq, dv, ahead):
             onto(part, f)
 
     def _with_inertia(self, r: Floats, phi: Floats, dudd: Floats | None) -> tuple[Floats, Floats]:
@@ -196,6 +225,11 @@ class _MassDifference:
     def in_all(self) -> VectorOperator:
         """dM/dp, for all coordinates (n_q,)."""
         return VectorOperator(self._m)
+
+    @cached_property
+    def of_held(self) -> VectorOperator:
+        """Its rows that belong to held vectors."""
+        return VectorOperator(self._base.holding.rows_of(self._m))
 
     def add_force(self, point: Point, r: Floats) -> None:
         """Add T^T dM/dp a to r, with all accelerations a = T udd and those of supports."""

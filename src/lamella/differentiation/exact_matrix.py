@@ -263,7 +263,7 @@ class ExactMatrix:
     @cached_property
     def _tangents(self) -> TangentProduct:
         of = self.equations
-        return TangentProduct(of.model, of.forces, of.loads, of.constraints, of.elimination.T)
+        return TangentProduct(of.forces, of.loads, of.constraints, of.elimination.T)
 
     def product(self, point: Point, weights: Weights) -> Callable[[Floats], Floats]:
         """The product of the exact matrix at a point with changes of the unknowns, to be used before the next is asked for."""

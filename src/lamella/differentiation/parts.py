@@ -36,9 +36,9 @@ class ForceParts:
     """The blocks of a sum that differ between models, or depend on velocities.
 
     Args:
-        base: the equations at the value of the parameter.
-        of_base: the sum there.
+        of_base: the sum at the value of the parameter.
         sides, sums: the models beside it, with their sums.
+        all_change: whether blocks that are equal in all models count as changed as well.
 
     Attributes:
         changes: of the blocks that have one.
@@ -46,9 +46,11 @@ class ForceParts:
         differ: whether any block is another one in the models.
     """
 
-    def __init__(self, base: Equations, of_base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum]) -> None:
+    def __init__(self, of_base: ForceSum, sides: Sequence[Side], sums: Sequence[ForceSum], all_change: bool = False) -> None:
         blocks = [*zip(*([block for block, _ in each.parts] for each in sums), strict=True)]
-        changed = [remembers(first) or not all(alike(first, other) for other in others) for first, *others in blocks]
+        changed = [
+            all_change or remembers(first) or not all(alike(first, other) for other in others) for first, *others in blocks
+        ]
         self.differ = any(changed)
         of_values = [block for block, _ in of_base.parts]
         wholes = [
@@ -58,7 +60,7 @@ class ForceParts:
         linear = [not one and block.linear_in_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         others = [one or block.depends_on_velocity for one, (block, *_) in zip(changed, blocks, strict=True)]
         moving = [one and not other for one, other in zip(others, linear, strict=True)]
-        of_all = base.model.n_q, base.elimination.T
+        of_all = of_base.onto_what
         self._wholes = ForceSum([whole for whole in wholes if whole], *of_all, like=of_base)
         self._of_wholes = [block for block, whole in zip(of_values, wholes, strict=True) if whole]
         self._linear = ForceSum([block for block, _ in compress(of_base.parts, linear)], *of_all)
@@ -66,6 +68,7 @@ class ForceParts:
         self.changes = [whole for whole in wholes if isinstance(whole, ForceChange)]
         self.complete = len(self.changes) == len(blocks)
         self._changed, self._moving = (_Weighed(sides, sums, chosen, *of_all) for chosen in (changed, moving))
+        self._empty = not (any(others) or self._wholes.parts)
 
     def evaluate(
         self, t: float, q: Floats, v: Floats, dq: Floats | None, dv: Floats | None, ahead: Ahead | None = None
@@ -74,6 +77,8 @@ class ForceParts:
         parameter if these are given; coordinates only where all blocks that depend on them have a change.
         """
         filled: list[ForceSum] = []
+        if self._empty:
+            return filled
         if self._wholes.parts:
             ahead = ahead or Ahead(None, None)
             for (change, part), block in zip(self._wholes.parts, self._of_wholes, strict=True):
@@ -104,7 +109,7 @@ class _Weighed:
     """Chosen blocks of all sides, whose forces are summed at once with the weights of the sides."""
 
     def __init__(
-        self, sides: Sequence[Side], sums: Sequence[ForceSum], chosen: Sequence[bool], n_q: int, T: sparse.csr_array
+        self, sides: Sequence[Side], sums: Sequence[ForceSum], chosen: Sequence[bool], n_q: int, T: sparse.csr_array | None
     ) -> None:
         blocks = [[block for block, _ in compress(each.parts, chosen)] for each in sums]
         weights = [side.weight for side, own in zip(sides, blocks, strict=True) for _ in own]

@@ -33,8 +33,8 @@ class Reactions:
 
     @cached_property
     def _tangents(self) -> list[tuple[TangentProduct, Weights]]:
-        of = self.equations
-        parts = of.model, of.forces, of.loads, of.constraints
+        of, acting = self.equations, self.equations.holding.acting
+        parts = acting.forces, acting.loads, of.constraints
         return [(TangentProduct(*parts), weights) for weights in ((STATIC, RATES) if of.depends_on_velocity else (STATIC,))]
 
     def look(self, point: Point, state: State) -> None:
@@ -50,19 +50,21 @@ class Reactions:
             change: how the state follows the unknowns.
         """
         if each.following:
-            return each.following.reaction(self._point, known.u, known.ud, known.udd)
-        total = each.parts.reaction(self._point) if each.parts else np.zeros_like(change.q)
-        return self._add_along(change, known.lam, total)
+            return each.following.reaction(self._point, self._state, known.u, known.ud, known.udd)
+        found = self._along(change, known.lam)
+        if each.parts:
+            found += each.parts.reaction(self._point, self._state)
+        return found
 
-    def _add_along(self, change: State, dlam: Floats, total: Floats) -> Floats:
-        """Add K dq + D dv + M da + Phi_q^T dlam."""
-        point, q = self._point, self._state.q
-        for (product, weights), moved in zip(self._tangents, (change.q, change.v), strict=False):
+    def _along(self, change: State, dlam: Floats) -> Floats:
+        """K dq + D dv + M da + Phi_q^T dlam, shape (n_q,)."""
+        point, holding = self._point, self.equations.holding
+        total = np.zeros(holding.n_near)
+        for (product, weights), moved in zip(self._tangents, ("q", "v"), strict=False):
             if not self._looked:
-                product.look(point, q, self._state.v, weights)
-            total += product(moved)
+                product.look(point, holding.near(self._state.q), holding.near(self._state.v), weights)
+            total += product(holding.near(getattr(change, moved)))
         self._looked = True
         if not point.at_rest:
-            total += self.equations.momentum(change.a)
-        self.equations.constraints.add_force(point.t, q, dlam, total)
-        return total
+            holding.mass.onto(holding.near(change.a), total)
+        return holding.with_multipliers(holding.whole(total), point.t, self._state.q, dlam)

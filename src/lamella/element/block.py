@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lamella import threads
 from lamella.element.base import ElementSpec
-from lamella.element.packing import n_blocks, packed, packed_indices, packed_targets, unpacked
+from lamella.element.packing import Number, n_blocks, packed, packed_indices, packed_targets, unpacked
 from lamella.errors import ModelError
 from lamella.lane import WIDTH
+from lamella.numbering import Numbering
 from lamella.roles import Floats, ForceBlock, Ints, TangentTables
-
-Number = TypeVar("Number", bound=np.generic)
 
 
 class Range:
@@ -75,13 +75,24 @@ class ElementBlock(ForceBlock):
                 f"each must be (n, {len(order)})"
             )
         self.rest = np.asarray(reference, float) * scale
-        coords, scale = np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order]
+        self._lay_out(np.asarray(coords, np.int64)[:, order], np.asarray(scale, float)[:, order])
+
+    def _lay_out(self, coords: Ints, scale: Floats) -> None:
+        """Pack coordinates and factors, in the order of the kernels."""
         self.element_scale = scale
         self.n_element, self.n_block = len(coords), n_blocks(len(coords))
         self._all, self._ranges = Range(0, self.n_block, self.n_block), {}
         self._index, self._scale = packed_indices(coords), packed(scale)
         self._targets = packed_targets(coords)
         self.f_coords, self.f_scale = self._targets, self._scale
+
+    def _taken(self, elements: Ints, numbering: Numbering | None) -> Self:
+        """A block of some of the elements, which works in the same places; see :meth:`ForceBlock.acting_on`."""
+        found = copy(self)
+        found.rest = self.rest[elements]
+        coords = unpacked(self._index, self.n_element)[elements]
+        found._lay_out(numbering.coordinates(coords) if numbering else coords, self.element_scale[elements])
+        return found
 
     @property
     def n_k(self) -> int:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from lamella.lane import WIDTH, aligned
 from lamella.roles import Floats, Ints
+
+Number = TypeVar("Number", bound=np.generic)
 
 
 def n_blocks(n_element: int) -> int:
@@ -40,7 +45,7 @@ def packed_targets(coords: Ints) -> Ints:
     return np.ascontiguousarray(_grouped(np.concatenate([coords, filler]))).reshape(-1)
 
 
-def unpacked(values: Floats, n_element: int) -> Floats:
+def unpacked(values: NDArray[Number], n_element: int) -> NDArray[Number]:
     """Back from the kernels' layout to (n_element, entry)."""
     blocks = n_blocks(n_element)
     return values.reshape(blocks, -1, WIDTH).transpose(0, 2, 1).reshape(blocks * WIDTH, -1)[:n_element]

@@ -6,7 +6,8 @@ import numpy as np
 
 from lamella.dofs import Build, Motion
 from lamella.load.record import add_load
-from lamella.roles import Floats, ForceBlock, Ints
+from lamella.numbering import Numbering
+from lamella.roles import Bools, Floats, ForceBlock, Ints
 
 NONE = np.zeros(0, dtype=np.int64)
 
@@ -25,6 +26,12 @@ class DeadLoadBlock(ForceBlock):
         self.name, self.values, self.profile = name, values, profile
         self.f_coords, self.f_scale = coords, np.ones(len(coords))
         self.k_rows, self.k_cols, self.k_scale = NONE, NONE, np.zeros(0)
+
+    def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> DeadLoadBlock:
+        """As the role says."""
+        own = coordinates[self.f_coords]
+        coords = self.f_coords[own]
+        return DeadLoadBlock(self.name, numbering.coordinates(coords) if numbering else coords, self.values[own], self.profile)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         np.multiply(self.values, -self.profile.value(t), out=f)

@@ -19,7 +19,8 @@ from lamella.element.plate48.matrix_free import ShellTangent
 from lamella.element.plate48.section import Section
 from lamella.inertia import of_components
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Force, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
+from lamella.numbering import Numbering
+from lamella.roles import Bools, Floats, Force, ForceBlock, InertiaBlock, Ints, MatrixFreeBlock, Symmetry
 from lamella.threads import Workspace
 
 FORCE, TANGENT, SYMMETRIC_TANGENT = 60e-9, 0.8e-6, 0.4e-6
@@ -54,11 +55,16 @@ class KelvinVoigtBlock(Plate48Block):
     ) -> None:
         super().__init__(name, coords, scale, reference, *all_entries())
         self.time, self.arguments = time, self.kernel_arguments(gauss_tables(self, section, n_gauss))
-        self._work, self._power = Workspace(kernels.viscous_work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
+        self._work = Workspace(kernels.viscous_work_size(n_gauss) * WIDTH)
+        self._n_gauss = n_gauss
+        self._make_buffers()
+
+    def _make_buffers(self) -> None:
+        self._power = aligned(self.n_block * WIDTH)
         self._unused, self._energies = np.zeros(len(self.f_coords)), aligned(self.n_block * WIDTH)
         if len(self.arguments) > 1:
             self._f, self._k, self._part_power = aligned(self.f_coords.size), aligned(self.n_k), self._power.copy()
-        self._symmetric_form = SymmetricDampingBlock(self, self.arguments, n_gauss)
+        self._symmetric_form = SymmetricDampingBlock(self, self.arguments, self._n_gauss)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Viscous force, with the elastic one if that is added."""
@@ -196,6 +202,11 @@ class SymmetricDampingBlock(MatrixFreeBlock):
             symmetric_tangent(q, v, *how, *seen(arguments, blocks), self._work.array, blocks.of(f), blocks.of(k))
 
         self._whole.over_blocks(SYMMETRIC_TANGENT * arguments[4] ** 2, call)
+
+    def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> MatrixFreeBlock | None:
+        """As the whole block."""
+        part = self._whole.acting_on(coordinates, numbering)
+        return part and part.symmetric_form
 
     def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
         """As the whole block."""

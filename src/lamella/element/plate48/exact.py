@@ -46,7 +46,11 @@ class ShellBlock(Plate48Block):
     ) -> None:
         super().__init__(name, coords, scale, reference, *upper_entries())
         self.arguments = self.kernel_arguments(gauss_tables(self, section, n_gauss))
-        self._work, self._energies = Workspace(kernels.work_size(n_gauss) * WIDTH), aligned(self.n_block * WIDTH)
+        self._work = Workspace(kernels.work_size(n_gauss) * WIDTH)
+        self._make_buffers()
+
+    def _make_buffers(self) -> None:
+        self._energies = aligned(self.n_block * WIDTH)
         if len(self.arguments) > 1:
             self._f, self._k = aligned(self.f_coords.size), aligned(self.n_k)
 

@@ -19,7 +19,8 @@ from lamella.element.plate48.shape import hermite_table, product_order
 from lamella.element.plate48.strain import Cubed
 from lamella.lane import WIDTH, aligned
 from lamella.math.gauss import gauss_rule
-from lamella.roles import Floats, Force, ForceBlock, Ints, Symmetry
+from lamella.numbering import Numbering
+from lamella.roles import Bools, Floats, Force, ForceBlock, Ints, Symmetry
 from lamella.threads import Workspace
 
 NODES = ((0, 0), (1, 0), (0, 1), (1, 1))
@@ -63,6 +64,9 @@ class HeatedShellBlock(ShellBlock):
         tables = gauss_tables(self, section, n_gauss)
         self.parts = [HeatedPart(self, part, local, own[2]) for part, own in zip(tables, self.arguments, strict=True)]
         self.index_T, self.work_T = packed_indices(temperatures), aligned(8 * WIDTH)
+
+    def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> None:
+        """None: temperatures change the constants of all elements."""
 
     def heat(self, q: Floats) -> None:
         """Count strains from the thermal strains of the temperatures in q."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import ClassVar, get_args
+from typing import ClassVar, Self, get_args
 
 import numpy as np
 
 from lamella.element.block import ElementBlock, Range
+from lamella.element.packing import packed, unpacked
 from lamella.element.plate48.section import Curvature, Section
 from lamella.element.plate48.shape import PLATE48, gauss_points, hermite_table, product_order, shape_at_gauss_points
 from lamella.element.plate48.strain import Cubed
@@ -15,7 +16,8 @@ from lamella.element.plate48.surface import derivatives_at_points, reference_sur
 from lamella.element.plate48.surface_kernels import N_SECTION, pack_sections
 from lamella.errors import ModelError
 from lamella.lane import WIDTH, aligned
-from lamella.roles import Floats, Ints, MatrixFreeBlock
+from lamella.numbering import Numbering
+from lamella.roles import Bools, Floats, Ints, MatrixFreeBlock
 
 KernelArguments = tuple[Ints, Floats, Floats, Floats, int, Cubed]
 
@@ -58,6 +60,24 @@ class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportInco
     """Of the kernels, for each part of the section."""
     same_sections: ClassVar[bool] = True
     """Whether elements that are alike read the same constants; not where these change with the temperature."""
+
+    def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> Self | None:
+        """As the role says: the elements that have one of the coordinates."""
+        elements = np.flatnonzero(coordinates[unpacked(self._index, self.n_element)].any(axis=1))
+        return self._taken(elements, numbering)
+
+    def _taken(self, elements: Ints, numbering: Numbering | None) -> Self:
+        found = super()._taken(elements, numbering)
+        found.arguments = []
+        for _, _, sections, table, n, cubed in self.arguments:
+            shared = len(sections) == n * n * N_SECTION * WIDTH
+            own = sections if shared else packed(unpacked(sections, self.n_element)[elements])
+            found.arguments.append((found._index, found._scale, own, table, n, cubed))
+        found._make_buffers()
+        return found
+
+    def _make_buffers(self) -> None:
+        """Make the arrays that depend on the number of elements."""
 
     def kernel_arguments(self, tables: list[GaussTables]) -> list[KernelArguments]:
         """Index, scale, sections, table, number of points and normal for each part of the section."""

@@ -1,0 +1,159 @@
+"""What acts on the coordinates that supports hold: all that their reactions need."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from lamella.assembly.constraints import ConstraintStack
+from lamella.assembly.forces import ForceSum
+from lamella.assembly.operator import VectorOperator
+from lamella.model import Model
+from lamella.numbering import Numbering
+from lamella.roles import Bools, Floats, ForceBlock, Ints
+
+Forces = ForceSum[ForceBlock]
+
+
+class Acting(NamedTuple):
+    """What acts on held coordinates, in coordinates of its own.
+
+    Args:
+        forces, loads: sums of the blocks.
+        numbering: the near vectors; None where these are all there are.
+    """
+
+    forces: Forces
+    loads: Forces
+    numbering: Numbering | None
+
+
+class Holding:
+    """The reaction R = M a + f + Phi_q^T lam where supports hold coordinates; elsewhere it vanishes.
+
+    Of elements, those at supports suffice: 16 of 384 on a plate that is clamped at one edge. They have coordinates of their own,
+    the near ones, if nothing acts there whose items cannot be told apart; else all coordinates are near.
+
+    Args:
+        model: the compiled model.
+        held: the coordinates that supports hold, shape (n,).
+        forces, loads: the sums of all blocks.
+        constraints: those with multipliers.
+    """
+
+    def __init__(self, model: Model, held: Ints, forces: Forces, loads: Forces, constraints: ConstraintStack) -> None:
+        self._model, self._forces, self._loads, self._constraints = model, forces, loads, constraints
+        self._held = np.unique(held)
+
+    @cached_property
+    def acting(self) -> Acting:
+        """The blocks; made when first needed."""
+        model, n_q = self._model, self._model.n_q
+        held = np.zeros(n_q, bool)
+        held[self._held] = True
+        forces, loads = ([b for b, _ in blocks.parts if _acts(b, held)] for blocks in (self._forces, self._loads))
+        mixed = self._constraints.n_all or held[model.n_motion :].any()
+        numbering = Numbering(model.n_motion // 3)
+        near = [[None if mixed else block.acting_on(held, numbering) for block in blocks] for blocks in (forces, loads)]
+        if mixed or None in chain(*near):
+            of_forces, of_loads = ([block.acting_on(held, None) or block for block in blocks] for blocks in (forces, loads))
+            return Acting(ForceSum(of_forces, n_q), ForceSum(of_loads, n_q), None)
+        numbering.add(self._held // 3)
+        of_vectors = np.zeros(model.n_motion // 3, bool)
+        of_vectors[self._held // 3] = True
+        for inertia in model.inertias:
+            i, j = inertia.pairs()
+            coupled = of_vectors[i] | of_vectors[j]
+            numbering.add(np.concatenate([i[coupled], j[coupled]]))
+        n = 3 * len(numbering.vectors)
+        of_forces, of_loads = (ForceSum([block for block in part if block], n) for part in near)
+        return Acting(of_forces, of_loads, numbering)
+
+    @cached_property
+    def _coords(self) -> Ints | None:
+        """The near coordinates."""
+        numbering = self.acting.numbering
+        return None if numbering is None else (3 * numbering.vectors[:, None] + np.arange(3)).reshape(-1)
+
+    @cached_property
+    def _places(self) -> Ints:
+        """Where held coordinates are among the near ones."""
+        numbering = self.acting.numbering
+        return self._held if numbering is None else numbering.coordinates(self._held)
+
+    @cached_property
+    def mass(self) -> VectorOperator:
+        """The rows of M that belong to held vectors, for near coordinates."""
+        return VectorOperator(self.rows_of(self._model.vector_mass))
+
+    def rows_of(self, m: sparse.csr_array) -> sparse.csr_array:
+        """The rows of a mass matrix of vectors that reactions need, of near vectors."""
+        vectors = None if self.acting.numbering is None else self.acting.numbering.vectors
+        near = m if vectors is None else m[vectors][:, vectors]
+        n = len(near.indptr) - 1
+        needed = np.zeros(n, bool)
+        of_held = self._places // 3
+        needed[of_held[of_held < n]] = True  # scalar fields lie behind the vectors
+        lengths = np.where(needed, np.diff(near.indptr), 0)
+        chosen = np.repeat(needed, np.diff(near.indptr))
+        return sparse.csr_array((near.data[chosen], near.indices[chosen], np.append(0, np.cumsum(lengths))), shape=(n, n))
+
+    @property
+    def n_near(self) -> int:
+        """Number of near coordinates."""
+        return self._model.n_q if self._coords is None else len(self._coords)
+
+    def near(self, coordinates: Floats) -> Floats:
+        """Those of all coordinates (n_q,), or changes of them, that are near."""
+        return coordinates if self._coords is None else coordinates.take(self._coords)
+
+    def whole(self, forces: Floats) -> Floats:
+        """Forces on held coordinates from those on near ones, in all coordinates, shape (n_q,)."""
+        found = np.zeros(self._model.n_q)
+        found[self._held] = forces.take(self._places)
+        return found
+
+    def reaction(self, t: float, factor: float, q: Floats, v: Floats, a: Floats | None, lam: Floats) -> Floats:
+        """R, shape (n_q,).
+
+        Args:
+            t: time [s].
+            factor: load factor.
+            q, v, a: coordinates, velocities and accelerations (n_q,); None at rest.
+            lam: multipliers of the rows kept.
+        """
+        if not len(self._held):
+            return np.zeros(self._model.n_q)
+        forces, loads, _ = self.acting
+        q_near, v_near = self.near(q), self.near(v)
+        found = loads(t, q_near, v_near) * factor
+        forces.evaluate(t, q_near, v_near)
+        forces.onto_all(found)
+        if a is not None:
+            self.mass.onto(self.near(a), found)
+        return self.with_multipliers(self.whole(found), t, q, lam)
+
+    def with_multipliers(self, forces: Floats, t: float, q: Floats, lam: Floats) -> Floats:
+        """Add Phi_q^T lam where coordinates are held to forces (n_q,) there."""
+        if len(lam):
+            self._constraints.add_force(t, q, lam, forces)
+            held = forces[self._held]
+            forces[:] = 0.0
+            forces[self._held] = held
+        return forces
+
+    def forget(self) -> None:
+        """Evaluate everything anew, also at the same time: an input has changed."""
+        if "acting" in vars(self):
+            self.acting.forces.forget()
+            self.acting.loads.forget()
+
+
+def _acts(block: ForceBlock, coordinates: Bools) -> bool:
+    """Whether a block acts on some coordinates; one without forces may have a part of another block's tangent."""
+    coords = block.f_coords
+    return not len(coords) or bool(coordinates[coords[coords >= 0]].any())
