@@ -2,9 +2,9 @@
 
 Numba maps ``Lane`` to LLVM's ``<WIDTH x double>``. An expression in + - * / and :func:`sqrt` written for numbers thus runs for
 several elements at once; a number combined with a lane counts for all of them. Lanes live in kernels only: they are loaded from
-and stored to consecutive entries of a flat float64 array. They may be loaded from and stored to an array of float32 or int16 as
-well, which takes a half or a quarter of the memory: what is read becomes float64, what is written is rounded, to int16 towards
-zero. Where single precision is enough, ``SingleLane`` holds twice as many numbers, as float32.
+and stored to consecutive entries of an array without gaps, of float64, or of float32 or int16, which takes a half or a quarter
+of the memory: what is read becomes float64, what is written is rounded, to int16 towards zero. Where single precision is enough,
+``SingleLane`` holds twice as many numbers, as float32.
 """
 
 from __future__ import annotations
@@ -17,12 +17,10 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 from llvmlite import binding, ir
 from numba import extending
-from numba.core import cgutils, types
+from numba.core import cgutils, errors, types
 from numba.core.datamodel.models import PrimitiveModel
-from numba.core.imputils import lower_builtin
 from numba.core.typing import templates
-from numba.core.typing.templates import ConcreteTemplate, signature
-from numba.extending import overload, register_model
+from numba.extending import lower_builtin, overload, register_model
 
 from lamella._compiler import FIRST
 from lamella.roles import Floats
@@ -91,8 +89,8 @@ def _register_binary(function: Any, instruction: str) -> None:
         left, right = (_as_lane(builder, value, sig.return_type.vector) for value in args)
         return getattr(builder, instruction)(left, right, flags=_FLAGS)
 
-    cases = [signature(next(x for x in pair if isinstance(x, LaneType)), *pair) for pair in operands]
-    infer_global(function)(type(f"Lane_{instruction}", (ConcreteTemplate,), {"cases": cases, "metadata": FIRST}))
+    cases = [templates.signature(next(x for x in pair if isinstance(x, LaneType)), *pair) for pair in operands]
+    infer_global(function)(type(f"Lane_{instruction}", (templates.ConcreteTemplate,), {"cases": cases, "metadata": FIRST}))
     for pair in operands:
         lower_builtin(function, *pair)(lower)
 
@@ -102,8 +100,8 @@ for _function, _instruction in _BINARY.items():
 
 
 @infer_global(operator.neg)
-class _LaneNegation(ConcreteTemplate):
-    cases = [signature(Lane, Lane)]  # noqa: RUF012 - Numba's own form of a template
+class _LaneNegation(templates.ConcreteTemplate):
+    cases = [templates.signature(Lane, Lane)]  # noqa: RUF012 - Numba's own form of a template
 
 
 @lower_builtin(operator.neg, Lane)
@@ -202,6 +200,12 @@ _STORED = {
 """Arrays that lanes are loaded from and stored to, by the type of their numbers."""
 
 
+def _flat(array: Any) -> Any:
+    if array.layout != "C":
+        raise errors.TypingError(f"a kernel takes an array without gaps, not {array}")
+    return array
+
+
 def _vector_pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any, stride: int, count: int) -> Any:
     data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
     vector = ir.VectorType(_STORED[array_type.dtype].number, count)
@@ -233,19 +237,19 @@ def _storer(stride: int, vector: Any = _VECTOR) -> Any:
 @intrinsic
 def load(typing_context: Any, array: types.Type, number: types.Type) -> Any:
     """``load(array, k)``: lane k of a flat contiguous float64 array, its entries WIDTH k ... WIDTH (k + 1) - 1."""
-    return Lane(array, types.intp), _loader(WIDTH)
+    return Lane(_flat(array), types.intp), _loader(WIDTH)
 
 
 @intrinsic
 def store(typing_context: Any, array: types.Type, number: types.Type, value: types.Type) -> Any:
     """``store(array, k, lane)``: write lane k; a number is written to all its entries."""
-    return types.none(array, types.intp, value), _storer(WIDTH)
+    return types.none(_flat(array), types.intp, value), _storer(WIDTH)
 
 
 @intrinsic
 def load_at(typing_context: Any, array: types.Type, index: types.Type) -> Any:
     """``load_at(array, index)``: the lane of the entries index ... index + WIDTH - 1."""
-    return Lane(array, types.intp), _loader(1)
+    return Lane(_flat(array), types.intp), _loader(1)
 
 
 @intrinsic
@@ -261,7 +265,7 @@ def number_at(typing_context: Any, array: Any, index: types.Type) -> Any:
         return getattr(builder, widen)(number, ir.DoubleType()) if widen else number
 
     widen = _STORED[array.dtype].widen if array.dtype in _STORED else ""
-    return (types.float64 if widen else array.dtype)(array, types.intp), generate
+    return (types.float64 if widen else array.dtype)(_flat(array), types.intp), generate
 
 
 @intrinsic
@@ -289,13 +293,13 @@ def put_at(typing_context: Any, array: Any, index: types.Type, number: types.Typ
         builder.store(args[2], builder.gep(data, [args[1]]))
         return context.get_dummy_value()
 
-    return types.none(array, types.intp, array.dtype), generate
+    return types.none(_flat(array), types.intp, array.dtype), generate
 
 
 @intrinsic
 def store_at(typing_context: Any, array: types.Type, index: types.Type, value: types.Type) -> Any:
     """``store_at(array, index, lane)``: write a lane, or a number for all, to the entries index ... index + WIDTH - 1."""
-    return types.none(array, types.intp, value), _storer(1)
+    return types.none(_flat(array), types.intp, value), _storer(1)
 
 
 @intrinsic

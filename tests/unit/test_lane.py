@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from lamella._jit import CACHE_FOLDER, inlined, inner, njit, watched
+from lamella.assembly.operator import SumOperator
 from lamella.element.packing import packed, packed_indices, packed_targets, unpacked
 from lamella.lane import (
     WIDTH,
@@ -200,6 +201,15 @@ def test_a_watch_hears_of_kernels_but_not_of_their_parts_and_of_none_that_is_com
     assert heard.ended == 1
     fresh(1, 2)  # compiled for integers, but nobody watches any more
     assert heard.ended == 1
+
+
+def test_an_array_with_gaps_is_refused():
+    """Kernels count the entries from the first one: they would read what lies between."""
+    both, x = SumOperator(np.arange(3), np.arange(3), np.ones(3), 3), np.arange(6.0)
+    np.testing.assert_array_equal(both(x[:3]), x[:3])
+    for gaps in (x[::2], np.asfortranarray(x.reshape(3, 2))[:, 0][::2]):
+        with pytest.raises(numba.TypingError, match="an array without gaps"):
+            both(gaps)
 
 
 def test_python_calls_an_inner_function_as_it_stands():
