@@ -18,8 +18,8 @@ CASE = "gradients"
 AT = {"force": -10.0, "E1": 181e9, "nu12": 0.28, "density": 1560.0, "thickness": 4e-3, "length": 1.5}
 HEAT = {"alpha1": -0.3e-6, "alpha2": 28e-6, "k1": 5.0, "k2": 0.7, "c": 900.0}
 """What the ply needs to be heated."""
-ALONE = ("force", "E1", "thickness", "length")
-"""Parameters that are asked for one by one; then all of :data:`AT` are asked for together."""
+DEFLECTION = lm.SignalOutput("C.position", component="z")
+"""Of the loaded point, at the end."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,9 @@ class Work:
         damping: retardation time [s].
         lit: whether the sun heats it.
         at: values of the parameters that differ from :data:`AT`.
+        output: what is differentiated.
+        symbol: of it.
+        alone: parameters that are asked for one by one.
     """
 
     name: str
@@ -41,6 +44,9 @@ class Work:
     damping: float = 0.0
     lit: bool = False
     at: tuple[tuple[str, float], ...] = ()
+    output: lm.SignalOutput = DEFLECTION
+    symbol: str = "z_C"
+    alone: tuple[str, ...] = ("force", "E1", "thickness", "length")
 
     @property
     def values(self) -> dict[str, float]:
@@ -77,8 +83,8 @@ class Work:
         return lm.equilibrium(self.plate())
 
     def gradient(self, names: Sequence[str]) -> lm.Gradient:
-        """Compute it with derivatives of the deflection of the loaded point by some parameters."""
-        outputs = {"deflection": lm.SignalOutput("C.position", component="z")}
+        """Compute it with derivatives of the output by some parameters."""
+        outputs = {"output": self.output}
         return lm.gradient(self._of(names), {name: self.values[name] for name in names}, outputs, analyses=[self.analysis])
 
     def _of(self, names: Sequence[str]) -> Callable[..., lm.System]:
@@ -92,6 +98,13 @@ class Work:
         return plate
 
 
+OVER_TIME = (
+    ("rms of a place", lm.SignalOutput("C.position", component="z", statistic="rms"), "rms z_C"),
+    ("rms of a reaction", lm.SignalOutput("root.force", component="z", statistic="rms"), "rms F_z"),
+    ("mean strain energy", lm.SignalOutput("energy.strain", statistic="mean"), "mean W"),
+)
+"""Outputs for which each step is evaluated."""
+FEW = ("force", "length")
 WORK = (
     Work("statics, 24 x 16 elements", 1, (24, 16)),
     Work("motion", 1000),
@@ -101,13 +114,25 @@ WORK = (
     Work("motion in the sun, damping 1 ms", 1000, damping=1e-3, lit=True),
     Work("motion, 24 x 16 elements", 300, (24, 16)),
     Work("motion, 24 x 16 elements, damping 1 ms", 300, (24, 16), 1e-3),
+    *(
+        Work(
+            f"motion, {mesh[0]} x {mesh[1]} elements, {what}",
+            steps,
+            mesh,
+            output=output,
+            symbol=symbol,
+            alone=("force", "length"),
+        )
+        for mesh, steps in (((6, 6), 1000), ((24, 16), 300))
+        for what, output, symbol in OVER_TIME
+    ),
 )
 
 
 def run(runs: int) -> Iterator[Row]:
     """CPU time of each piece of work, and what derivatives take beyond it for each parameter, with their models."""
     for work in WORK:
-        asked = [(name,) for name in ALONE] + [tuple(AT)]
+        asked = [(name,) for name in work.alone] + [tuple(AT)]
         for names in ((), *asked):
             work.gradient(names) if names else work.solve()  # loads or compiles kernels
         alone: list[float] = []
@@ -119,7 +144,7 @@ def run(runs: int) -> Iterator[Row]:
                 alone.append(cpu(work.solve)[0])  # each time anew, as the speed of machines changes within minutes
                 seconds, gradient = cpu(partial(work.gradient, names))
                 own_shares.append((seconds / alone[-1] - 1.0) / len(names))
-                found.append(float(gradient["deflection", names[0]]))
+                found.append(float(gradient["output", names[0]]))
         unit, per = ("ms a step", 1e3 / work.steps) if work.steps > 1 else ("ms", 1e3)
         own = Row(case=CASE, code="lamella", what=work.name, time=per * statistics.median(alone), unit=unit)
         yield own.beside(own)
@@ -132,5 +157,5 @@ def run(runs: int) -> Iterator[Row]:
                 time=own.time * statistics.median(own_shares),
                 unit=unit,
                 value=value if one else NAN,
-                quantity=f"d z_C / d {names[0]}" if one else "",
+                quantity=f"d {work.symbol} / d {names[0]}" if one else "",
             ).beside(own)
