@@ -60,6 +60,9 @@ class Signal:
         derivative: gives the derivative along a change of the state, from the state and the change; None where it is not known.
         polynomial: whether it is a sum of products of few parts of the state, as a torque is of places and forces.
         potential: whether it is the potential of all force blocks.
+        of_vectors: numbers of the coordinate vectors whose places, velocities, accelerations and reactions alone tell it. Its
+            value and derivative are then given for several states at once as well, whose parts have shapes (n, n_q), and the
+            value has (n,) or (n, len(labels)). None where other parts are needed.
     """
 
     name: str
@@ -72,6 +75,7 @@ class Signal:
     derivative: Callable[[State, State], Floats | float] | None = None
     polynomial: bool = False
     potential: bool = False
+    of_vectors: Ints | None = None
 
     @property
     def by_tables(self) -> bool:

@@ -15,8 +15,9 @@ from lamella.roles import Floats, Ints
 
 
 def vectors_of(coordinates: Floats) -> Floats:
-    """All coordinates (n_q,) as vectors, shape (n, 3); what lies behind the vectors is never referred to by a vector's number."""
-    return coordinates[: len(coordinates) - len(coordinates) % 3].reshape(-1, 3)
+    """All coordinates (..., n_q) as vectors, shape (..., n, 3); what lies behind them is never referred to by their numbers."""
+    *several, n_q = coordinates.shape
+    return coordinates[..., : n_q - n_q % 3].reshape(*several, -1, 3)
 
 
 @dataclass(frozen=True)
@@ -44,12 +45,12 @@ class VectorRows:
         return cls(np.array([vector], dtype=np.int64), np.ones(1), np.zeros(3))
 
     def at(self, vectors: Floats) -> Floats:
-        """Its value; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return self.weights.dot(vectors.take(self.vectors, 0)) + self.constant
+        """Its value; ``vectors`` are all coordinate vectors, shape (..., n_vectors, 3)."""
+        return self.weights.dot(vectors.take(self.vectors, -2)) + self.constant
 
     def rate(self, velocities: Floats) -> Floats:
-        """Its derivative by time from those of all coordinate vectors, shape (n_vectors, 3)."""
-        return self.weights.dot(velocities.take(self.vectors, 0))
+        """Its derivative by time from those of all coordinate vectors, shape (..., n_vectors, 3)."""
+        return self.weights.dot(velocities.take(self.vectors, -2))
 
     def __add__(self, other: VectorRows) -> VectorRows:
         return _combined(self, other, 1.0)
@@ -149,12 +150,12 @@ class PointRows:
     offset: Floats
 
     def at(self, vectors: Floats) -> Floats:
-        """Position [m] of the point; ``vectors`` are all coordinate vectors, shape (n_vectors, 3)."""
-        return self.position.dot(vectors.take(self.vectors, 0)) + self.offset
+        """Position [m] of the point; ``vectors`` are all coordinate vectors, shape (..., n_vectors, 3)."""
+        return self.position.dot(vectors.take(self.vectors, -2)) + self.offset
 
     def moved(self, velocities: Floats) -> Floats:
-        """Velocity [m/s] (or virtual displacement) of the point from those of all vectors, shape (n_vectors, 3)."""
-        return self.position.dot(velocities.take(self.vectors, 0))
+        """Velocity [m/s] (or virtual displacement) of the point from those of all vectors, shape (..., n_vectors, 3)."""
+        return self.position.dot(velocities.take(self.vectors, -2))
 
     @property
     def point(self) -> VectorRows:

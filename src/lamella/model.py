@@ -126,6 +126,11 @@ class Model:
         for block in self._settling:
             block.settle(state.t, state.q)
 
+    @property
+    def remembers(self) -> bool:
+        """Whether a block has a discrete state."""
+        return bool(self._settling)
+
     @cached_property
     def _settling(self) -> list[ForceBlock | ConstraintBlock]:
         return [block for block in (*self.forces, *self.loads, *self.constraints) if remembers(block)]

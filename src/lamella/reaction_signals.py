@@ -58,33 +58,41 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
     held = SumOperator(place[held_coords[acting]], numbers[acting], coefs[acting], len(coords))
     forces_of = equations.elimination.forces_of(own)
 
+    told_by = np.append(vectors, centre.vectors) if dots is None and equations.elimination.alone else None
+
     def held_forces(state: State) -> Floats:
-        return held(forces_of(state.reaction))
+        mu = forces_of(state.reaction)
+        return held(mu) if mu.ndim == 1 else held.onto_each(mu, np.zeros((len(mu), held.n)))
 
     forces, changes = OncePerState(held_forces), OncePerState(held_forces)
-    acting_on = vectors, weights, centre.vectors, centre.weights
+
+    def resultants(q: Floats, f: Floats, constant: Floats) -> Floats:
+        found = np.empty((*f.shape[:-1], 6))
+        rows = (q, f, found) if f.ndim > 1 else (q[None], f[None], found[None])
+        _resultants(*rows, vectors, weights, centre.vectors, centre.weights, constant)
+        return found
 
     def evaluate(state: State) -> Floats:
         f = forces(state)
         if dots is not None and places is not None:
             dots.jacobian(state.t, state.q, entries)
             f = f - np.bincount(places, entries * state.lam[lam][dots.j_rows], minlength=len(coords) + 1)[:-1]
-        return _resultants(state.q, f, *acting_on, centre.constant)
+        return resultants(state.q, f, centre.constant)
 
     shared = OncePerState(evaluate)
 
     def force(state: State) -> Floats:
-        return shared(state)[:3]
+        return shared(state)[..., :3]
 
     def torque(state: State) -> Floats:
-        return shared(state)[3:]
+        return shared(state)[..., 3:]
 
     def force_change(state: State, change: State) -> Floats:
-        return _resultants(state.q, changes(change), *acting_on, centre.constant)[:3]
+        return resultants(state.q, changes(change), centre.constant)[..., :3]
 
     def torque_change(state: State, change: State) -> Floats:
-        of_forces = _resultants(state.q, changes(change), *acting_on, centre.constant)
-        return (of_forces + _resultants(change.q, forces(state), *acting_on, STILL))[3:]
+        of_forces = resultants(state.q, changes(change), centre.constant)
+        return (of_forces + resultants(change.q, forces(state), STILL))[..., 3:]
 
     on = f" on {support.side}" if support.side else ""
     signals = [
@@ -96,6 +104,7 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
             f"{what}{on}",
             derivative=change if dots is None else None,
             polynomial=True,
+            of_vectors=told_by,
         )
         for name, unit, value, change, what in (
             ("force", "N", force, force_change, f"force of {support.name}"),
@@ -124,25 +133,34 @@ def reaction_signals(support: Support, equations: Equations) -> list[Signal]:
 
 @njit
 def _resultants(
-    q: Floats, f: Floats, vectors: Ints, weights: Floats, centre_vectors: Ints, centre_weights: Floats, constant: Floats
-) -> Floats:
-    """Force and torque (6,) of forces f on vectors x_k: sum w_k f_k and sum (x_k - w_k c) x f_k.
+    q: Floats,
+    f: Floats,
+    out: Floats,
+    vectors: Ints,
+    weights: Floats,
+    centre_vectors: Ints,
+    centre_weights: Floats,
+    constant: Floats,
+) -> None:
+    """Force and torque, out (n, 6), of forces f (n, 3 m) on vectors x_k of coordinates q (n, n_q).
 
-    The weight w_k is 1 for positions, else 0; the centre c is a sum of vectors with weights, and a constant.
+    They are sum w_k f_k and sum (x_k - w_k c) x f_k. The weight w_k is 1 for positions, else 0; the centre c is a sum of vectors
+    with weights, and a constant.
     """
-    c0, c1, c2 = constant[0], constant[1], constant[2]
-    for i in range(len(centre_vectors)):
-        k, w = 3 * centre_vectors[i], centre_weights[i]
-        c0, c1, c2 = c0 + w * q[k], c1 + w * q[k + 1], c2 + w * q[k + 2]
-    out = np.zeros(6)
-    for i in range(len(vectors)):
-        k, w = 3 * vectors[i], weights[i]
-        x0, x1, x2 = q[k] - w * c0, q[k + 1] - w * c1, q[k + 2] - w * c2
-        f0, f1, f2 = f[3 * i], f[3 * i + 1], f[3 * i + 2]
-        out[0] += w * f0
-        out[1] += w * f1
-        out[2] += w * f2
-        out[3] += x1 * f2 - x2 * f1
-        out[4] += x2 * f0 - x0 * f2
-        out[5] += x0 * f1 - x1 * f0
-    return out
+    for state in range(len(f)):
+        c0, c1, c2 = constant[0], constant[1], constant[2]
+        for i in range(len(centre_vectors)):
+            k, w = 3 * centre_vectors[i], centre_weights[i]
+            c0, c1, c2 = c0 + w * q[state, k], c1 + w * q[state, k + 1], c2 + w * q[state, k + 2]
+        own = out[state]
+        own[:] = 0.0
+        for i in range(len(vectors)):
+            k, w = 3 * vectors[i], weights[i]
+            x0, x1, x2 = q[state, k] - w * c0, q[state, k + 1] - w * c1, q[state, k + 2] - w * c2
+            f0, f1, f2 = f[state, 3 * i], f[state, 3 * i + 1], f[state, 3 * i + 2]
+            own[0] += w * f0
+            own[1] += w * f1
+            own[2] += w * f2
+            own[3] += x1 * f2 - x2 * f1
+            own[4] += x2 * f0 - x0 * f2
+            own[5] += x0 * f1 - x1 * f0

@@ -172,6 +172,13 @@ class ForceBlock(Memory, Force):
         """
         return None
 
+    def repeated(self, n: int, n_q: int) -> ForceBlock | None:
+        """A block of n times its items, of which those of state number k act on coordinates k n_q and more.
+
+        None where they cannot be told apart, or depend on time.
+        """
+        return None
+
     def damping_force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         """Write f(t, q, v) - f(t, q, 0) to the force buffer ``f`` (n_f,)."""
         still = np.empty_like(f)

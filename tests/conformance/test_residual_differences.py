@@ -19,7 +19,6 @@ from lamella.differentiation.difference import PartDifference, WholeDifference
 from lamella.differentiation.exact_matrix import ExactMatrix
 from lamella.differentiation.neighbours import neighbours_of
 from lamella.differentiation.reactions import Reactions
-from lamella.differentiation.solution import PointDerivative
 from lamella.element.plate48.beside import ReferenceChange
 from lamella.element.plate48.block import SHELL
 from lamella.element.plate48.exact import ShellBlock
@@ -108,7 +107,7 @@ def test_parts_are_as_good_as_the_whole(name, how):
 
 @pytest.mark.parametrize(("name", "how"), [*(each for each in product(AT, MORE) if each != HELD), ("alpha", "warm")])
 def test_parts_tell_the_derivative_of_reactions(name, how):
-    """In all coordinates: of unknowns as they are, and of those that follow the parameter where coordinates may."""
+    """Of unknowns as they are, and of those that follow the parameter where coordinates may."""
     base, beside = neighbours(name, **MORE[how])
     point, dud, dudd = moved(base)
     scale, still = 1.0 / {**AT, **MORE[how]}[name], base.start(at_rest=True)
@@ -120,12 +119,11 @@ def test_parts_tell_the_derivative_of_reactions(name, how):
         np.testing.assert_allclose(beside.parts.reaction(at, base.state(at)), expected, atol=ROUNDING * largest)
     if beside.parts.follows:
         du = 0.1 * np.cos(2.0 * np.arange(base.n_u)) * base.magnitude
-        one = PointDerivative(du, dud, dudd, np.zeros(0))
-        found, unmoved = (beside.parts.reaction(point, base.state(point), *rates) for rates in ((du, dud, dudd), ()))
         change = State(point.t, *(base.expand(x) for x in (du, dud, dudd)), np.zeros(0), np.zeros(0))
         tangents = Reactions(base)
         tangents.look(point, base.state(point))
-        expected = unmoved + tangents.change(replace(beside, residual=WholeDifference(beside.sides)), one, change)
+        found, unmoved = (beside.parts.reaction(point, base.state(point), *along) for along in ([change], []))
+        expected = unmoved + tangents.change(replace(beside, residual=WholeDifference(beside.sides)), np.zeros(0), change)
         np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
 

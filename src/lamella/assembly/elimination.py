@@ -57,9 +57,9 @@ class Elimination:
         self._form = form
         self._forces: dict[bytes, Callable[[Floats], Floats]] = {}
         self._kept = form if len(kept) == len(rows) else taken(form, self.kept)
-        self._alone = len(self._kept[1]) == len(self.kept)
+        self.alone = len(self._kept[1]) == len(self.kept)
         """Whether each row holds one coordinate, as on a clamped edge: C_d and C C^T are diagonal then."""
-        if self._alone:
+        if self.alone:
             self._inverse = Diagonal(self._kept[2]) if kept else None
         else:
             self._inverse = linalg.splu(sparse.csc_array(self.C[:, dependent]))
@@ -78,7 +78,7 @@ class Elimination:
         """The factorised C C^T; reactions alone ask for it."""
         if not self.kept:
             return None
-        if self._alone:
+        if self.alone:
             return Diagonal(self._kept[2] ** 2)
         return linalg.splu(sparse.csc_array(self.C @ self.C.T))
 
@@ -177,7 +177,7 @@ class Elimination:
         return self._gram.solve(self.C @ reaction) if self._gram else np.zeros(0)
 
     def forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
-        """The function from R (n_q,) to the forces mu of some of the rows kept.
+        """The function from R (n_q,) to the forces mu of some of the rows kept; where rows are ``alone`` R may be (n, n_q).
 
         It is the product with their rows of (C C^T)^-1 C, found once, unless these hold more numbers than the factorisation.
         """
@@ -188,11 +188,11 @@ class Elimination:
 
     def _forces_of(self, rows: Ints) -> Callable[[Floats], Floats]:
         if self._gram is None or not len(rows):
-            return lambda reaction: np.zeros(0)
-        if self._alone:
+            return lambda reaction: np.zeros((*reaction.shape[:-1], 0))
+        if self.alone:
             _, coords, coefs = self._kept
             places, shares = coords[rows], 1.0 / coefs[rows]
-            return lambda reaction: shares * reaction[places]
+            return lambda reaction: shares * reaction.take(places, -1)
         gram, parts = self._gram, []
         for first in range(0, len(rows), COLUMNS):
             chosen = rows[first : first + COLUMNS]

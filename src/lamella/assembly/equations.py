@@ -16,7 +16,7 @@ from lamella.assembly.mass import Mass
 from lamella.assembly.matrix import MatrixAssembly
 from lamella.assembly.operator import SumOperator, balance
 from lamella.assembly.point import Point, Weights
-from lamella.assembly.point_state import OF_POINT, reaction_at
+from lamella.assembly.point_state import OF_POINT
 from lamella.assembly.product import SkewProduct, matrix_free
 from lamella.assembly.recent import Recent
 from lamella.assembly.relations import Rows, overlaps_described, relations, repeated_rows, told_apart
@@ -321,9 +321,8 @@ class Equations:
 
     def state(self, point: Point) -> State:
         """All coordinates, velocities, accelerations, multipliers and the reaction of the eliminated constraints."""
-        q, v, a = self.coordinates(point), self.velocities(point), self.accelerations(point)
-        lam = self.constraints.full(point.lam).copy()
-        return State(point.t, q, v, a, lam, reaction_at(self, point, q, v, a), point.factor)
+        late = self.late_state(point)
+        return State(point.t, late.q, late.v, late.a, late.lam, late.reaction, point.factor)
 
     def late_state(self, point: Point) -> LateState:
         """The same of a point that stays as it is while the state is in use; each part is evaluated when it is asked for."""

@@ -48,6 +48,29 @@ class Holding:
     def __init__(self, model: Model, held: Ints, forces: Forces, loads: Forces, constraints: ConstraintStack) -> None:
         self._model, self._forces, self._loads, self._constraints = model, forces, loads, constraints
         self._held = np.unique(held)
+        self.n_states, self._stacks = 1, dict[int, "Holding | None"]()
+
+    def stack(self, n: int) -> Holding | None:
+        """The same for n states side by side, whose coordinates, forces and reactions have shape (n, n_q); itself for one.
+
+        None where something acts that depends on time, or whose items cannot be told apart.
+        """
+        if n == 1:
+            return self
+        if n not in self._stacks:
+            self._stacks[n] = self._stacked(n)
+        return self._stacks[n]
+
+    def _stacked(self, n: int) -> Holding | None:
+        forces, loads, numbering = self.acting
+        n_near = self.n_near
+        parts = [[block.repeated(n, n_near) for block, _ in blocks.parts] for blocks in (forces, loads)]
+        if numbering is None or None in chain(*parts):
+            return None
+        found = Holding(self._model, self._held, self._forces, self._loads, self._constraints)
+        of_forces, of_loads = (ForceSum([block for block in part if block], n * n_near) for part in parts)
+        found.n_states, found.acting, found.mass = n, Acting(of_forces, of_loads, numbering), self.mass
+        return found
 
     @cached_property
     def acting(self) -> Acting:
@@ -72,6 +95,12 @@ class Holding:
         n = 3 * len(numbering.vectors)
         of_forces, of_loads = (ForceSum([block for block in part if block], n) for part in near)
         return Acting(of_forces, of_loads, numbering)
+
+    @property
+    def vectors(self) -> Ints:
+        """Numbers of the near vectors."""
+        numbering = self.acting.numbering
+        return np.arange(self._model.n_motion // 3) if numbering is None else numbering.vectors
 
     @cached_property
     def _coords(self) -> Ints | None:
@@ -102,39 +131,53 @@ class Holding:
         chosen = np.repeat(needed, np.diff(near.indptr))
         return sparse.csr_array((near.data[chosen], near.indices[chosen], np.append(0, np.cumsum(lengths))), shape=(n, n))
 
+    @cached_property
+    def _still(self) -> Floats:
+        return np.zeros(self.n_near)
+
     @property
     def n_near(self) -> int:
-        """Number of near coordinates."""
-        return self._model.n_q if self._coords is None else len(self._coords)
+        """Number of near coordinates, of all states."""
+        return self.n_states * (self._model.n_q if self._coords is None else len(self._coords))
 
     def near(self, coordinates: Floats) -> Floats:
-        """Those of all coordinates (n_q,), or changes of them, that are near."""
-        return coordinates if self._coords is None else coordinates.take(self._coords)
+        """Those of all coordinates, or changes of them, that are near, in one row, shape (n_near,)."""
+        return coordinates if self._coords is None else coordinates.take(self._coords, -1).reshape(-1)
 
     def whole(self, forces: Floats) -> Floats:
-        """Forces on held coordinates from those on near ones, in all coordinates, shape (n_q,)."""
-        found = np.zeros(self._model.n_q)
-        found[self._held] = forces.take(self._places)
-        return found
+        """Forces on held coordinates from those on near ones (n_near,), in all coordinates."""
+        if self.n_states == 1:
+            found = np.zeros(self._model.n_q)
+            found[self._held] = forces.take(self._places)
+            return found
+        several = np.zeros((self.n_states, self._model.n_q))
+        several[:, self._held] = forces.reshape(self.n_states, -1).take(self._places, 1)
+        return several
 
-    def reaction(self, t: float, factor: float, q: Floats, v: Floats, a: Floats | None, lam: Floats) -> Floats:
-        """R, shape (n_q,).
+    def add_product(self, mass: VectorOperator, a: Floats, forces: Floats) -> None:
+        """Add the product of rows of a mass with near accelerations (n_near,) to near forces."""
+        for one, out in zip(a.reshape(self.n_states, -1), forces.reshape(self.n_states, -1), strict=True):
+            mass.onto(one, out)
+
+    def reaction(self, t: float, factor: float, q: Floats, v: Floats | None, a: Floats | None, lam: Floats) -> Floats:
+        """R in all coordinates.
 
         Args:
             t: time [s].
             factor: load factor.
-            q, v, a: coordinates, velocities and accelerations (n_q,); None at rest.
+            q, v, a: all coordinates, velocities, which may be left out where nothing depends on them, and accelerations; none
+                at rest.
             lam: multipliers of the rows kept.
         """
         if not len(self._held):
-            return np.zeros(self._model.n_q)
+            return np.zeros(q.shape)
         forces, loads, _ = self.acting
-        q_near, v_near = self.near(q), self.near(v)
+        q_near, v_near = self.near(q), self._still if v is None else self.near(v)
         found = loads(t, q_near, v_near) * factor
         forces.evaluate(t, q_near, v_near)
         forces.onto_all(found)
         if a is not None:
-            self.mass.onto(self.near(a), found)
+            self.add_product(self.mass, self.near(a), found)
         return self.with_multipliers(self.whole(found), t, q, lam)
 
     def with_multipliers(self, forces: Floats, t: float, q: Floats, lam: Floats) -> Floats:

@@ -62,6 +62,12 @@ class SumOperator:
         _add_sums(*self.arrays, x, out)
         return out
 
+    def onto_each(self, several: Floats, out: Floats) -> Floats:
+        """Add the sums of several vectors (n, n_sources) to the rows of ``out`` (n, n_targets), and return it."""
+        for x, row in zip(several, out, strict=True):
+            _add_sums(*self.arrays, x, row)
+        return out
+
 
 Places = NDArray[np.uint32]
 """Places in arrays, without sign, so that Numba does not look for negative ones."""

@@ -22,8 +22,16 @@ def marker_signals(name: str, where: str, rows: PointRows) -> list[Signal]:
 
     position = f"{name}.position", "m", AXES, lambda state: rows.at(vectors_of(state.q)), f"position of {where}"
     return [
-        Signal(*position, derivative=lambda _, change: rows.moved(vectors_of(change.q))),
-        Signal(f"{name}.velocity", "m/s", AXES, velocity, f"velocity of {where}", derivative=lambda _, change: velocity(change)),
+        Signal(*position, derivative=lambda _, change: rows.moved(vectors_of(change.q)), of_vectors=rows.vectors),
+        Signal(
+            f"{name}.velocity",
+            "m/s",
+            AXES,
+            velocity,
+            f"velocity of {where}",
+            derivative=lambda _, change: velocity(change),
+            of_vectors=rows.vectors,
+        ),
     ]
 
 

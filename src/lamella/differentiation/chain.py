@@ -99,7 +99,7 @@ class Chain:
     def _motion(self, analysis: Motion, outputs: Mapping[str, StudyOutput]) -> None:
         ends = {name: output for name, output in outputs.items() if isinstance(output, SignalOutput) and output.of_end}
         others = {name: output for name, output in outputs.items() if name not in ends}
-        signals = SignalDerivatives(self.equations, self.neighbours, _names(others))
+        signals = SignalDerivatives(self.equations, self.neighbours, _names(others), many=True)
         start = None if analysis.start is None else self.ends[analysis.start]
         beside = None if analysis.start is None else self.beside[analysis.start]
         assert isinstance(analysis.integrator, GeneralizedAlpha), "refused before"
@@ -119,6 +119,7 @@ class Chain:
         for sink in sinks:
             sink.close(result.outcome, result.statistics)
         self._completed(analysis, result)
+        signals.finish()
         point, self.ends[analysis.name] = last[0]
         self.beside[analysis.name] = [each.remembering(result.final) for each in self.neighbours]
         if others:

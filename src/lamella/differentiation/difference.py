@@ -11,6 +11,7 @@ from scipy import sparse
 from lamella._jit import kernel
 from lamella.assembly.equations import Equations
 from lamella.assembly.forces import ForceSum
+from lamella.assembly.holding import Holding
 from lamella.assembly.mass import in_independent
 from lamella.assembly.operator import VectorOperator
 from lamella.assembly.point import Point, Weights
@@ -76,6 +77,7 @@ class PartDifference:
         self._held, self._still = np.zeros((2, base.model.n_q))
         self._held += held
         self.moves = bool(self._held.any())
+        self._on_held: dict[Holding, _OnHeld] = {}
         self.follows = self._forces.complete and _of_forces(base)
         self.forces_differ = self._forces.differ
 
@@ -86,7 +88,7 @@ class PartDifference:
     def apart(self, point: Point, dud: Floats | None, dudd: Floats | None) -> tuple[Floats, Floats, Floats | None]:
         """The same without M a, and a: M a belongs to the first; None where there is none."""
         base = self._base
-        dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
+        dv = base.expand(dud) if dud is not None and base.depends_on_velocity else self._still if self.moves else None
         return self._apart(point, self._held if self.moves else None, dv, dudd)
 
     def along(
@@ -97,39 +99,40 @@ class PartDifference:
         Only where coordinates may follow. The product of the tangent with ``du`` is in it, for little more time; other products
         ``ahead`` at the point need not look at it then.
         """
-        base, dv = self._base, None
+        base, dv = self._base, self._still
         if base.depends_on_velocity:
             dv = base.expand(moved(dud, weights.alpha_v, du))
         return self._with_inertia(*self._apart(point, self._following(du), dv, moved(dudd, weights.alpha_a, du), ahead))
 
-    def reaction(
-        self, point: Point, state: State, du: Floats | None = None, dud: Floats | None = None, dudd: Floats | None = None
-    ) -> Floats:
-        """The derivative of the reaction M a + f + Phi_q^T lam, shape (n_q,).
-
-        Of unknowns as they are, or of those that follow the parameter, where coordinates may.
+    def reaction(self, point: Point, state: State, change: State | None = None) -> Floats:
+        """The derivative of the reaction M a + f + Phi_q^T lam, shape (n_q,), or of those of several states, (n, n_q).
 
         Args:
-            point, state: where; two descriptions of it.
-            du, dud, dudd: how unknowns, velocities and accelerations follow.
+            point: where, or one of several points that differ by their states alone.
+            state: there.
+            change: how the state follows the unknowns, if these follow the parameter; only where coordinates may.
         """
-        base, holding = self._base, self._base.holding
-        near, on_held = holding.near, self._on_held
-        dq = self._following(du) if du is not None else self._held if self.moves else None
-        dv = base.expand(dud) if dud is not None and base.depends_on_velocity else None
-        v = near(state.v) if base.depends_on_velocity else self._still
-        f = np.zeros(holding.n_near)
-        places = near(state.q), v, None if dq is None else near(dq), None if dv is None else near(dv)
-        self._add_forces(on_held, point, *places, f, ForceSum.onto_all)
+        holding = self._base.holding.stack(len(state.q) if state.q.ndim > 1 else 1)
+        assert holding is not None, "asked of stacks only where there are any"
+        if holding not in self._on_held:
+            self._on_held[holding] = _OnHeld(self._sides, holding, self.follows)
+        on_held, near, damped = self._on_held[holding], holding.near, self._base.depends_on_velocity
+        f, still = np.zeros((2, holding.n_near))
+        dq, dv = (None, None) if change is None else (near(change.q), near(change.v) if damped else still)
+        if self.moves:
+            held = near(np.broadcast_to(self._held, state.q.shape))
+            dq, dv = (held, still) if dq is None else (dq + held, dv)
+        v = near(state.v) if damped else still
+        self._add_forces(on_held.parts, point, near(state.q), v, dq, dv, f, ForceSum.onto_all)
         if not point.at_rest:
-            mass, da = self._mass, None if dudd is None else near(base.expand(dudd))
+            mass, da = self._mass, None if change is None else near(change.a)
             if isinstance(mass, _MassDifference):
-                mass.of_held.onto(near(state.a), f)
+                holding.add_product(on_held.mass(mass.m), near(state.a), f)
             elif mass is not None:
                 a = near(state.a)
                 da = mass * a if da is None else moved(da, mass, a)
             if da is not None:
-                holding.mass.onto(da, f)
+                holding.add_product(holding.mass, da, f)
         return holding.whole(f)
 
     def energy(self, point: Point, du: Floats) -> float:
@@ -156,13 +159,6 @@ class PartDifference:
                 dudd = mass * point.udd if dudd is None else moved(dudd, mass, point.udd)
         return r, np.zeros(len(point.lam)), dudd
 
-    @cached_property
-    def _on_held(self) -> LoadsAndForces:
-        """The parts of what acts on held coordinates, made for reactions."""
-        own, sides, of = self._base.holding.acting, self._sides, [side.equations.holding.acting for side in self._sides]
-        loads = ForceParts(own.loads, sides, [there.loads for there in of])
-        return loads, ForceParts(own.forces, sides, [there.forces for there in of], all_change=self.follows)
-
     def _add_forces(
         self,
         parts: LoadsAndForces,
@@ -177,8 +173,6 @@ class PartDifference:
     ) -> None:
         """Add the derivatives of loads and forces to zeros, in the coordinates that ``onto`` sums in."""
         loads, forces = parts
-        if dq is not None and dv is None:
-            dv = self._still
         for part in loads.evaluate(point.t, q, v, dq, dv):
             onto(part, f)
         if point.factor != 1.0:
@@ -219,17 +213,12 @@ class _MassDifference:
 
     def __init__(self, base: Equations, m: sparse.csr_array) -> None:
         reduced = None if base.elimination.moves else in_independent(m, base.elimination.T)
-        self._base, self._m, self._reduced = base, m, reduced
+        self._base, self.m, self._reduced = base, m, reduced
 
     @cached_property
     def in_all(self) -> VectorOperator:
         """dM/dp, for all coordinates (n_q,)."""
-        return VectorOperator(self._m)
-
-    @cached_property
-    def of_held(self) -> VectorOperator:
-        """Its rows that belong to held vectors."""
-        return VectorOperator(self._base.holding.rows_of(self._m))
+        return VectorOperator(self.m)
 
     def add_force(self, point: Point, r: Floats) -> None:
         """Add T^T dM/dp a to r, with all accelerations a = T udd and those of supports."""
@@ -237,6 +226,30 @@ class _MassDifference:
             self._reduced.onto(point.udd, r)
         else:
             self._base.gather.onto(self.in_all(self._base.accelerations(point)), r)
+
+
+class _OnHeld:
+    """The parts of what acts on held coordinates.
+
+    Args:
+        sides: the models beside the value of a parameter.
+        holding: what acts in the model in the middle, for one state or several.
+        follow: whether coordinates are to follow the parameter.
+    """
+
+    def __init__(self, sides: Sequence[Side], holding: Holding, follow: bool) -> None:
+        of = [side.equations.holding.stack(holding.n_states) for side in sides]
+        beside = [each.acting for each in of if each]
+        loads = ForceParts(holding.acting.loads, sides, [there.loads for there in beside])
+        self.parts = loads, ForceParts(holding.acting.forces, sides, [there.forces for there in beside], all_change=follow)
+        self._rows_of = holding.rows_of
+        self._mass: VectorOperator | None = None
+
+    def mass(self, m: sparse.csr_array) -> VectorOperator:
+        """The rows of a difference of masses that belong to held vectors; always of the same one."""
+        if self._mass is None:
+            self._mass = VectorOperator(self._rows_of(m))
+        return self._mass
 
 
 def difference_of(base: Equations, sides: Sequence[Side]) -> WholeDifference | PartDifference:

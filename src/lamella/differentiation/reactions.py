@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 
 from lamella.assembly.equations import Equations
+from lamella.assembly.holding import Holding
 from lamella.assembly.point import STATIC, Point, Weights
 from lamella.assembly.product import TangentProduct
 from lamella.differentiation.neighbours import Neighbours
-from lamella.differentiation.solution import PointDerivative
 from lamella.linear.steady import RATES
 from lamella.roles import Floats
 from lamella.state import State
@@ -29,42 +27,46 @@ class Reactions:
 
     def __init__(self, equations: Equations) -> None:
         self.equations = equations
+        self._tangents: dict[Holding, list[tuple[TangentProduct, Weights]]] = {}
         self._looked = False
 
-    @cached_property
-    def _tangents(self) -> list[tuple[TangentProduct, Weights]]:
-        of, acting = self.equations, self.equations.holding.acting
-        parts = acting.forces, acting.loads, of.constraints
-        return [(TangentProduct(*parts), weights) for weights in ((STATIC, RATES) if of.depends_on_velocity else (STATIC,))]
-
     def look(self, point: Point, state: State) -> None:
-        """Go to a point."""
+        """Go to a point, or to several states side by side that have its time and load factor."""
         self._point, self._state, self._looked = point, state, False
 
-    def change(self, each: Neighbours, known: PointDerivative, change: State) -> Floats:
-        """The derivative, shape (n_q,).
+    def change(self, each: Neighbours, lam: Floats, change: State) -> Floats:
+        """The derivative in all coordinates, in the shape of the coordinates of the state.
 
         Args:
             each: the neighbours of the parameter.
-            known: the derivative of the point.
+            lam: the derivative of the multipliers of the rows kept.
             change: how the state follows the unknowns.
         """
         if each.following:
-            return each.following.reaction(self._point, self._state, known.u, known.ud, known.udd)
-        found = self._along(change, known.lam)
+            return each.following.reaction(self._point, self._state, change)
+        found = self._along(change, lam)
         if each.parts:
             found += each.parts.reaction(self._point, self._state)
         return found
 
-    def _along(self, change: State, dlam: Floats) -> Floats:
-        """K dq + D dv + M da + Phi_q^T dlam, shape (n_q,)."""
-        point, holding = self._point, self.equations.holding
+    def _along(self, change: State, lam: Floats) -> Floats:
+        """K dq + D dv + M da + Phi_q^T dlam."""
+        point, state = self._point, self._state
+        holding = self.equations.holding.stack(len(state.q) if state.q.ndim > 1 else 1)
+        assert holding is not None, "asked of stacks only where there are any"
         total = np.zeros(holding.n_near)
-        for (product, weights), moved in zip(self._tangents, ("q", "v"), strict=False):
+        for (product, weights), moved in zip(self._tangents_of(holding), ("q", "v"), strict=False):
             if not self._looked:
-                product.look(point, holding.near(self._state.q), holding.near(self._state.v), weights)
+                product.look(point, holding.near(state.q), holding.near(state.v), weights)
             total += product(holding.near(getattr(change, moved)))
         self._looked = True
         if not point.at_rest:
-            holding.mass.onto(holding.near(change.a), total)
-        return holding.with_multipliers(holding.whole(total), point.t, self._state.q, dlam)
+            holding.add_product(holding.mass, holding.near(change.a), total)
+        return holding.with_multipliers(holding.whole(total), point.t, state.q, lam)
+
+    def _tangents_of(self, holding: Holding) -> list[tuple[TangentProduct, Weights]]:
+        if holding not in self._tangents:
+            parts = holding.acting.forces, holding.acting.loads, self.equations.constraints
+            weights = (STATIC, RATES) if self.equations.depends_on_velocity else (STATIC,)
+            self._tangents[holding] = [(TangentProduct(*parts), each) for each in weights]
+        return self._tangents[holding]

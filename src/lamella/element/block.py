@@ -15,7 +15,6 @@ from lamella.element.base import ElementSpec
 from lamella.element.packing import Number, n_blocks, packed, packed_indices, packed_targets, unpacked
 from lamella.errors import ModelError
 from lamella.lane import WIDTH
-from lamella.numbering import Numbering
 from lamella.roles import Floats, ForceBlock, Ints, TangentTables
 
 
@@ -86,12 +85,11 @@ class ElementBlock(ForceBlock):
         self._targets = packed_targets(coords)
         self.f_coords, self.f_scale = self._targets, self._scale
 
-    def _taken(self, elements: Ints, numbering: Numbering | None) -> Self:
-        """A block of some of the elements, which works in the same places; see :meth:`ForceBlock.acting_on`."""
+    def _taken(self, elements: Ints, coords: Ints) -> Self:
+        """A block of some of the elements, which works in the same places, with coordinates (n, n_coordinate) for them."""
         found = copy(self)
         found.rest = self.rest[elements]
-        coords = unpacked(self._index, self.n_element)[elements]
-        found._lay_out(numbering.coordinates(coords) if numbering else coords, self.element_scale[elements])
+        found._lay_out(coords, self.element_scale[elements])
         return found
 
     @property

@@ -6,6 +6,7 @@ import numpy as np
 
 from lamella.dofs import Build, Motion
 from lamella.load.record import add_load
+from lamella.math.profile import Constant
 from lamella.numbering import Numbering
 from lamella.roles import Bools, Floats, ForceBlock, Ints
 
@@ -32,6 +33,13 @@ class DeadLoadBlock(ForceBlock):
         own = coordinates[self.f_coords]
         coords = self.f_coords[own]
         return DeadLoadBlock(self.name, numbering.coordinates(coords) if numbering else coords, self.values[own], self.profile)
+
+    def repeated(self, n: int, n_q: int) -> DeadLoadBlock | None:
+        """As the role says: of a constant load."""
+        if not isinstance(self.profile, Constant):
+            return None
+        first = n_q * np.repeat(np.arange(n), len(self.f_coords))
+        return DeadLoadBlock(self.name, np.tile(self.f_coords, n) + first, np.tile(self.values, n), self.profile)
 
     def force(self, t: float, q: Floats, v: Floats, f: Floats) -> None:
         np.multiply(self.values, -self.profile.value(t), out=f)

@@ -49,8 +49,14 @@ class MeanPosition(Declaration):
             return mean.rate(vectors_of(state.v))
 
         build.signals += [
-            Signal(f"{self.name}.position", "m", AXES, position, f"position {what}", derivative=moved),
+            Signal(f"{self.name}.position", "m", AXES, position, f"position {what}", derivative=moved, of_vectors=own),
             Signal(
-                f"{self.name}.velocity", "m/s", AXES, velocity, f"velocity {what}", derivative=lambda _, change: velocity(change)
+                f"{self.name}.velocity",
+                "m/s",
+                AXES,
+                velocity,
+                f"velocity {what}",
+                derivative=lambda _, change: velocity(change),
+                of_vectors=own,
             ),
         ]

@@ -208,6 +208,11 @@ class SymmetricDampingBlock(MatrixFreeBlock):
         part = self._whole.acting_on(coordinates, numbering)
         return part and part.symmetric_form
 
+    def repeated(self, n: int, n_q: int) -> MatrixFreeBlock | None:
+        """As the whole block."""
+        several = self._whole.repeated(n, n_q)
+        return several and several.symmetric_form
+
     def force_change(self, beside: Sequence[ForceBlock], weights: Sequence[float]) -> Force | None:
         """As the whole block."""
         same = [each._whole for each in beside if isinstance(each, SymmetricDampingBlock)]

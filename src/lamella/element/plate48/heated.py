@@ -68,6 +68,9 @@ class HeatedShellBlock(ShellBlock):
     def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> None:
         """None: temperatures change the constants of all elements."""
 
+    def repeated(self, n: int, n_q: int) -> None:
+        """None, as well."""
+
     def heat(self, q: Floats) -> None:
         """Count strains from the thermal strains of the temperatures in q."""
         for part in self.parts:

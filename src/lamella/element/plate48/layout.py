@@ -63,11 +63,19 @@ class Plate48Block(ElementBlock, MatrixFreeBlock):  # pyright: ignore[reportInco
 
     def acting_on(self, coordinates: Bools, numbering: Numbering | None) -> Self | None:
         """As the role says: the elements that have one of the coordinates."""
-        elements = np.flatnonzero(coordinates[unpacked(self._index, self.n_element)].any(axis=1))
-        return self._taken(elements, numbering)
+        coords = unpacked(self._index, self.n_element)
+        elements = np.flatnonzero(coordinates[coords].any(axis=1))
+        own = coords[elements]
+        return self._taken(elements, numbering.coordinates(own) if numbering else own)
 
-    def _taken(self, elements: Ints, numbering: Numbering | None) -> Self:
-        found = super()._taken(elements, numbering)
+    def repeated(self, n: int, n_q: int) -> Self | None:
+        """As the role says."""
+        coords = unpacked(self._index, self.n_element)
+        first = n_q * np.repeat(np.arange(n), self.n_element)
+        return self._taken(np.tile(np.arange(self.n_element), n), np.tile(coords, (n, 1)) + first[:, None])
+
+    def _taken(self, elements: Ints, coords: Ints) -> Self:
+        found = super()._taken(elements, coords)
         found.arguments = []
         for _, _, sections, table, n, cubed in self.arguments:
             shared = len(sections) == n * n * N_SECTION * WIDTH
