@@ -28,12 +28,22 @@ def edge_quadrature(mesh: PlateMesh, side: str, initial: Floats) -> tuple[list[P
     Returns:
         The points, element by element, and their weights [m], shape (n_elements, N_GAUSS).
     """
+    points, _ = mesh.edge_points(side, gauss_rule(N_GAUSS)[0])
+    return mesh.locate_each(points), edge_weights(mesh, side, initial)
+
+
+def edge_weights(mesh: PlateMesh, side: str, initial: Floats) -> Floats:
+    """The weights of :func:`edge_quadrature` alone, shape (n_elements, N_GAUSS)."""
     places, weights = gauss_rule(N_GAUSS)
-    points, length = mesh.edge_points(side, places)
-    rows = mesh.locate_each(points)
-    along = 0 if mesh.edge_slope(side)[0] == "r_x" else 1
-    stretch = np.array([np.linalg.norm(point.tangents[along].at(initial)) for point in rows])
-    return rows, stretch.reshape(-1, N_GAUSS) * weights * length
+    end = 0 if side[1] == "-" else 1
+    fixed = np.full(N_GAUSS, float(end))
+    if side[0] == "x":
+        elements, (xi, eta), slope, length = mesh.nx * np.arange(mesh.ny) + end * (mesh.nx - 1), (fixed, places), 2, mesh.ly
+    else:
+        elements, (xi, eta), slope, length = end * (mesh.ny - 1) * mesh.nx + np.arange(mesh.nx), (places, fixed), 1, mesh.lx
+    x = mesh.scale[elements, ::3, None] * initial[mesh.coords[elements, ::3] // 3]
+    R_s = mesh.element.shape(xi, eta)[slope] @ x / length
+    return np.linalg.norm(R_s, axis=2) * weights * length
 
 
 def surface_integrals(mesh: PlateMesh, initial: Floats) -> tuple[Ints, Floats]:

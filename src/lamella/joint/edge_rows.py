@@ -8,7 +8,7 @@ import numpy as np
 
 from lamella.body.mesh import PlateMesh
 from lamella.body.plate import Edge
-from lamella.body.quadrature import edge_quadrature
+from lamella.body.quadrature import edge_quadrature, edge_weights
 from lamella.dofs import Build
 from lamella.errors import DeclarationError
 from lamella.kinematics import PointRows, VectorRows
@@ -117,7 +117,7 @@ def edge_pair(item: str, build: Build, a: Edge, b: Edge) -> EdgePair:
     if a.body.name == b.body.name:
         raise DeclarationError(item, f"{a} and {b} are edges of one plate", "accepted are edges of two plates")
     mesh_a, mesh_b, initial = a.body.compiled(build), b.body.compiled(build), build.initial
-    lengths = [float(edge_quadrature(mesh, edge.side, initial)[1].sum()) for mesh, edge in ((mesh_a, a), (mesh_b, b))]
+    lengths = [float(edge_weights(mesh, edge.side, initial).sum()) for mesh, edge in ((mesh_a, a), (mesh_b, b))]
     # cubic edges of different meshes differ by the fourth power of the elements' angle where they are curved
     if abs(lengths[0] - lengths[1]) > ROUNDING * max(lengths):
         raise DeclarationError(

@@ -10,7 +10,7 @@ from lamella.body.base import Marker
 from lamella.body.grid import Grid
 from lamella.body.ground import Ground
 from lamella.body.plate import Edge
-from lamella.body.quadrature import N_GAUSS, edge_quadrature
+from lamella.body.quadrature import N_GAUSS, edge_weights
 from lamella.body.rigid import RigidBody
 from lamella.body.signals import AXES
 from lamella.declaration import declaration
@@ -108,7 +108,7 @@ class EdgeTension(Declaration):
         along = 0 if mesh.edge_slope(side)[0] == "r_x" else 1
         places = (np.arange((mesh.nx, mesh.ny)[along])[:, None] + gauss_rule(N_GAUSS)[0]).reshape(-1)
         end = np.array([0.0 if side[1] == "-" else float((mesh.nx, mesh.ny)[1 - along])])
-        weights = edge_quadrature(mesh, side, build.initial)[1].reshape(-1)
+        weights = edge_weights(mesh, side, build.initial).reshape(-1)
         weights /= weights.sum()
         grid = Grid(mesh, *((places, end) if along == 0 else (end, places)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -98,12 +99,15 @@ class RecoveryPoints:
         table = weights.reshape(-1), np.tile(vectors, (6, 1)).reshape(-1), np.arange(6 * n + 1) * n_shape
         self._n, self._n_vectors, self._element = n, int(vectors.max()) + 1, element
         self._derivatives = sparse.csr_array(table, shape=(6 * n, self._n_vectors))
-        self._positions = self._derivatives[:n]
         self._cubed: Cubed = cubed
         at_rest = (shape @ rest.reshape(n, -1, 3)).transpose(1, 0, 2)
         reference = reference_surface("strain recovery", at_rest, direction)
         self._rest = _vectors(at_rest.transpose(0, 2, 1)[..., None])
         self._constants, self._to_local = tuple(reference.constants(cubed).T[..., None]), reference.strain_transform(cubed)
+
+    @cached_property
+    def _positions(self) -> sparse.csr_array:
+        return self._derivatives[: self._n]
 
     def positions(self, q: Floats) -> Floats:
         """Positions [m], shape (..., n, 3), in the configurations ``q`` (..., n_q)."""
