@@ -115,8 +115,8 @@ class ForceChange(Force):
         """
 
     @abstractmethod
-    def energy(self, t: float, q: Floats, dq: Floats) -> float:
-        """dW/dp + dW/dq dq of the block's potential W [J per unit of p]: coordinates follow the parameter."""
+    def energy(self, t: float, q: Floats, dq: Floats) -> tuple[float, float]:
+        """The block's potential W [J], and dW/dp + dW/dq dq [J per unit of p]: coordinates follow the parameter."""
 
 
 class ForceBlock(Memory, Force):

@@ -28,6 +28,7 @@ class Beside:
         reacting: whether reactions are asked for.
 
     Attributes:
+        of_potential: what tells of the potential of all forces, if that is asked for and told.
         react: whether reactions are differenced between the neighbours.
         bends: whether signals are differenced along the change of the state.
         same: whether the state of each neighbour is that in the middle.
@@ -41,7 +42,8 @@ class Beside:
         self._weights = [side.weight for side in neighbours.sides]
         self.react = reacting and neighbours.parts is None
         self.same = [not self.react and side.equations.same_coordinates(equations) for side in neighbours.sides]
-        asked = [name for name, signal in own.items() if not (neighbours.following and signal.potential)]
+        self.of_potential = neighbours.of_potential if any(signal.potential for signal in own.values()) else None
+        asked = [name for name, signal in own.items() if not (self.of_potential and signal.potential)]
         self.bends = not all(own[name].derivative for name in asked)
         potential_differs = not all(self.same) or neighbours.parts is None or neighbours.parts.forces_differ
 

@@ -135,10 +135,27 @@ class PartDifference:
                 holding.add_product(holding.mass, da, f)
         return holding.whole(f)
 
-    def energy(self, point: Point, du: Floats) -> float:
-        """The derivative of the potential of all forces, of unknowns that follow the parameter; only where coordinates may."""
-        q, dq = self._base.coordinates(point), self._following(du)
-        return sum(change.energy(point.t, q, dq) for change in self._forces.changes)
+    @cached_property
+    def _potentials(self) -> Sequence[ForceChange]:
+        """What tells of the potential of all forces: where none changes, as by a load, the forces in the middle do."""
+        if self.follows:
+            return self._forces.changes
+        changes = [block.force_change([block], [0.0]) for block, _ in self._base.forces.parts]
+        found = [change for change in changes if isinstance(change, ForceChange)]
+        return found if len(found) == len(changes) and not (self.forces_differ or self.moves) else []
+
+    @property
+    def tells_potential(self) -> bool:
+        """Whether the potential of all forces, and how it follows, is told without differences."""
+        return bool(self._potentials)
+
+    def potential(self, t: float, state: State, change: State) -> tuple[float, float]:
+        """The potential of all forces in a state, and its derivative along the change of the state that unknowns make and by the
+        parameter.
+        """
+        dq = change.q + self._held if self.moves else change.q
+        each = [force.energy(t, state.q, dq) for force in self._potentials]
+        return sum(whole for whole, _ in each), sum(part for _, part in each)
 
     def _following(self, du: Floats) -> Floats:
         """How coordinates follow the parameter where unknowns do."""

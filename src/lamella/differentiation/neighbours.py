@@ -63,8 +63,13 @@ class Neighbours:
 
     @property
     def following(self) -> PartDifference | None:
-        """The parts, where coordinates may follow the parameter in them; they then tell of reactions and of the potential too."""
+        """The parts, where coordinates may follow the parameter in them; they then tell of reactions too."""
         return self.parts if self.parts and self.parts.follows else None
+
+    @property
+    def of_potential(self) -> PartDifference | None:
+        """The parts, where they tell of the potential of all forces."""
+        return self.parts if self.parts and self.parts.tells_potential else None
 
     def difference(self, evaluate: Callable[[Side], Floats]) -> Floats:
         """The derivative of a function, from its values at the sides."""

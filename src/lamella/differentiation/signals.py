@@ -80,15 +80,22 @@ class SignalDerivatives:
         state = self.equations.late_state(point)
         if self._reactions is not None:
             self._reactions.look(point, state)
-        here = {name: values_of(signal, state) for name, signal in self._one_by_one.items()}
+        changes = [self._change(each, state, known) for each, known in zip(self.neighbours, derivatives, strict=True)]
+        potentials = [
+            beside.of_potential.potential(point.t, state, change) if beside.of_potential else None
+            for beside, change in zip(self._beside, changes, strict=True)
+        ]
+        known = next((whole for whole, _ in filter(None, potentials)), None)
+        here = {
+            name: values_of(signal, state) if known is None or not signal.potential else np.array([[known]])
+            for name, signal in self._one_by_one.items()
+        }
         found: dict[str, list[Floats]] = {name: [] for name in here}
-        for beside, known in zip(self._beside, derivatives, strict=True):
-            each = beside.neighbours
-            change = self._change(each, state, known)
-            ends, shares = self._along(each, state, change) if beside.bends else ((), ())
+        for beside, change, potential in zip(self._beside, changes, potentials, strict=True):
+            ends, shares = self._along(beside.neighbours, state, change) if beside.bends else ((), ())
             for name, signal in self._one_by_one.items():
-                if each.following and signal.potential:
-                    found[name].append(np.array([[each.following.energy(point, known.u)]]))
+                if signal.potential and potential:
+                    found[name].append(np.array([[potential[1]]]))
                 elif signal.derivative:
                     found[name].append(np.reshape(signal.derivative(state, change), (1, -1)))
                 else:

@@ -117,7 +117,7 @@ class FollowedChange(ReferenceChange, ForceChange):
     ) -> None:
         super().__init__(block, beside, weights, time, elastic)
         self._elastic, self._n_element = elastic, block.n_element
-        self._energies = aligned(block.n_block * WIDTH)
+        self._energies, self._changes = aligned(block.n_block * WIDTH), aligned(block.n_block * WIDTH)
 
     def along(
         self, t: float, q: Floats, v: Floats, dq: Floats, dv: Floats, f: Floats, looking: TangentOperator | None = None
@@ -127,13 +127,15 @@ class FollowedChange(ReferenceChange, ForceChange):
         self._write((q, v, dq, dv, True), looking.points if looks else [NOTHING] * len(self._parts), f)
         return looks
 
-    def energy(self, t: float, q: Floats, dq: Floats) -> float:
+    def energy(self, t: float, q: Floats, dq: Floats) -> tuple[float, float]:
         """As the role says: of the strain energy, of which a viscous force has none."""
-        total = 0.0
+        total, of_change = 0.0, 0.0
         for arguments, scale, _, change in self._parts if self._elastic else ():
-            energy_change(q, dq, self._scaled, scale, change, *arguments, self._work.array, self._energies)
+            out = self._energies, self._changes
+            energy_change(q, dq, self._scaled, scale, change, *arguments, self._work.array, *out)
             total += float(self._energies[: self._n_element].sum())
-        return total
+            of_change += float(self._changes[: self._n_element].sum())
+        return total, of_change
 
 
 class StiffnessChange(FollowedChange):

@@ -166,14 +166,18 @@ def energy_change(
     cubed: Cubed,
     work: Floats,
     out: Floats,
+    changes: Floats,
 ) -> None:
-    """W' of each element, out (block,), with coordinates that follow the parameter by ``dq``; arguments as above."""
+    """W of each element, out (block,), and W', changes (block,), with coordinates that follow the parameter by ``dq``.
+
+    Arguments as above.
+    """
     lines, beside = 96, 96 + 36 * n
     for block in range(index.size // (48 * WIDTH)):
         _gather_both(q, dq, True, scaled, index, scale_change, scale, block, work)
         interpolate_eta(work, 0, lines, table, n)
         interpolate_eta(work, 48, beside, table, n)
-        total = spread(0.0)
+        total, total_change = spread(0.0), spread(0.0)
         for j in range(n):
             for i in range(n):
                 g, y = interpolate_xi(work, lines, table, i, j), interpolate_xi(work, beside, table, i, j)
@@ -182,6 +186,8 @@ def energy_change(
                 s = strains(g, m, reference(sections, at))
                 ds = strain_rates(g, y, m, normal_change(y[0], y[1], m, d1, d2, cubed))
                 ds = weighted6(1.0, ds, -1.0, reference(change, at))
-                more = weighted6(2.0, resultants(stiffness(sections, at), ds), 1.0, resultants(stiffness(change, at), s))
-                total = total + energy_density(more, s)
+                c = stiffness(sections, at)
+                more = weighted6(2.0, resultants(c, ds), 1.0, resultants(stiffness(change, at), s))
+                total, total_change = total + energy_density(resultants(c, s), s), total_change + energy_density(more, s)
         store(out, block, total)
+        store(changes, block, total_change)
