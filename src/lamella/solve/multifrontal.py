@@ -43,6 +43,7 @@ class Multifrontal(SymmetricFactor):
         self._layout = layout = layout_of(pattern)
         self._plan = plan = schedule_of(layout)
         self.cost, self.size = layout.cost, layout.size
+        self.shortens = self.size >= panels.SHORTENED
         self._panels, self._u = Panels(layout.size), aligned(plan.update_size)
         self._scaled: Scaled | None = None
         self._singles = False
@@ -101,7 +102,7 @@ class Multifrontal(SymmetricFactor):
     def shorten(self, singles: bool = True) -> None:
         """Read the factor in single precision, or as integers, from now on, where that is faster."""
         self._singles = singles
-        if self._panels.fresh and self.size >= panels.SHORTENED:
+        if self._panels.fresh and self.shortens:
             self._scaled = self._in_integers()
         self._panels.shorten()
 
