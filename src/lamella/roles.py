@@ -266,6 +266,12 @@ class InertiaBlock(ABC):
         """Vectors i, j of all entries, of which those of one triangle suffice."""
         return self.mass()[:2]
 
+    def coupled_with(self, chosen: Bools) -> Ints:
+        """Vectors that have an entry with some of all vectors, (n_vectors,), maybe several times, and maybe others."""
+        i, j = self.pairs()
+        coupled = chosen[i] | chosen[j]
+        return np.concatenate([i[coupled], j[coupled]])
+
 
 class ConstraintBlock(Memory, ABC):
     """Equations Phi(t, q) = 0 that take Lagrange multipliers.

@@ -26,6 +26,17 @@ def system_signals(equations: Equations) -> list[Signal]:
     return [*model.signals, *reactions, *energy_signals(equations)]
 
 
+def signals_named(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:
+    """Some of them, and the load factor, by name; no more is made than these and what belongs to them."""
+    known = {signal.name: signal for signal in (LOAD_FACTOR, *equations.model.signals)}
+    for support in equations.model.supports:
+        if any(name not in known and name.startswith(f"{support.name}.") for name in names):
+            known |= {signal.name: signal for signal in reaction_signals(support, equations)}
+    if not known.keys() >= set(names):
+        known |= {signal.name: signal for signal in energy_signals(equations)}
+    return {name: known[name] for name in names}
+
+
 class WorkMeter(Memory):
     """Work done since the first state given, with the force averaged over each step: sum 1/2 (f_n + f_n+1) . (x_n+1 - x_n).
 

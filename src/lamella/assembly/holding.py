@@ -89,9 +89,7 @@ class Holding:
         of_vectors = np.zeros(model.n_motion // 3, bool)
         of_vectors[self._held // 3] = True
         for inertia in model.inertias:
-            i, j = inertia.pairs()
-            coupled = of_vectors[i] | of_vectors[j]
-            numbering.add(np.concatenate([i[coupled], j[coupled]]))
+            numbering.add(inertia.coupled_with(of_vectors))
         n = 3 * len(numbering.vectors)
         of_forces, of_loads = (ForceSum([block for block in part if block], n) for part in near)
         return Acting(of_forces, of_loads, numbering)

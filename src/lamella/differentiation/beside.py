@@ -14,7 +14,7 @@ from lamella.differentiation.alike import alike
 from lamella.differentiation.neighbours import Neighbours
 from lamella.dofs import Signal
 from lamella.roles import Floats
-from lamella.signals import LOAD_FACTOR, system_signals
+from lamella.signals import signals_named
 from lamella.state import LateState, State
 
 
@@ -38,12 +38,12 @@ class Beside:
 
     def __init__(self, equations: Equations, neighbours: Neighbours, own: dict[str, Signal], reacting: bool) -> None:
         self.neighbours = neighbours
-        self._signals = [chosen(side.equations, [*own]) for side in neighbours.sides]
         self._weights = [side.weight for side in neighbours.sides]
         self.react = reacting and neighbours.parts is None
         self.same = [not self.react and side.equations.same_coordinates(equations) for side in neighbours.sides]
         self.of_potential = neighbours.of_potential if any(signal.potential for signal in own.values()) else None
         asked = [name for name, signal in own.items() if not (self.of_potential and signal.potential)]
+        self._signals = [signals_named(side.equations, asked) for side in neighbours.sides]
         self.bends = not all(own[name].derivative for name in asked)
         potential_differs = not all(self.same) or neighbours.parts is None or neighbours.parts.forces_differ
 
@@ -92,14 +92,6 @@ def _state_of(side: Equations, point: Point, reacting: State | None) -> State:
     if reacting is None:
         return side.late_state(point)
     return LateState(point.t, point.factor, _OF_SIDE, (side, point, reacting))
-
-
-def chosen(equations: Equations, names: Sequence[str]) -> dict[str, Signal]:
-    """Signals by name."""
-    known = {signal.name: signal for signal in (LOAD_FACTOR, *equations.model.signals)}
-    if not known.keys() >= set(names):
-        known |= {signal.name: signal for signal in system_signals(equations)}
-    return {name: known[name] for name in names}
 
 
 def _alike(signals: Sequence[Signal]) -> bool:

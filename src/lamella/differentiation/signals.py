@@ -9,12 +9,13 @@ import numpy as np
 from lamella._jit import kernel
 from lamella.assembly.equations import Equations
 from lamella.assembly.point import Point
-from lamella.differentiation.beside import Beside, chosen, values_of, weighed
+from lamella.differentiation.beside import Beside, values_of, weighed
 from lamella.differentiation.neighbours import Neighbours
 from lamella.differentiation.reactions import Reactions
 from lamella.differentiation.signal_stack import stack_of
 from lamella.differentiation.solution import PointDerivative
 from lamella.roles import Floats
+from lamella.signals import signals_named
 from lamella.state import PARTS, LateState, State
 
 
@@ -44,7 +45,7 @@ class SignalDerivatives:
         self, equations: Equations, neighbours: Sequence[Neighbours], names: Sequence[str], *, many: bool = False
     ) -> None:
         self.equations, self.neighbours = equations, neighbours
-        self._own = chosen(equations, names)
+        self._own = signals_named(equations, names)
         held = tuple(f"{support.name}." for support in equations.model.supports)
         self._reactions = Reactions(equations) if any(name.startswith(held) for name in names) else None
         self._per_size = 1.0 / equations.model.magnitude

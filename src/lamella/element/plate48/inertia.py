@@ -10,7 +10,7 @@ from lamella.element.base import ElementSpec
 from lamella.element.plate48.shape import PLATE48, gauss_points, shape_at_gauss_points
 from lamella.element.plate48.surface import areas_of, derivatives_at_points
 from lamella.errors import ModelError
-from lamella.roles import Floats, InertiaBlock, Ints
+from lamella.roles import Bools, Floats, InertiaBlock, Ints
 
 
 class ShellInertia(InertiaBlock):
@@ -68,6 +68,10 @@ class ShellInertia(InertiaBlock):
         n = self._vectors.shape[1]
         i, j = np.repeat(self._vectors, n, axis=1), np.tile(self._vectors, n)
         return i.reshape(-1), j.reshape(-1), self._values.reshape(-1)
+
+    def coupled_with(self, chosen: Bools) -> Ints:
+        """Those of the elements that have some of the vectors."""
+        return self._vectors[chosen[self._vectors].any(axis=1)].reshape(-1)
 
     def pairs(self) -> tuple[Ints, Ints]:
         """Vectors of all entries, each pair of an element once."""
