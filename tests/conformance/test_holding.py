@@ -229,3 +229,25 @@ def test_samples_wait_for_none_where_each_must_be_seen_by_itself(made: Callable[
     known = {signal.name: signal for signal in system_signals(equations)}
     stack = stack_of(equations, [], {"root.force": known["root.force"]}, Reactions(equations))
     assert stack is None
+
+
+@pytest.mark.parametrize("analysis", ["still", "swing"])
+def test_a_load_may_come_to_act_at_the_support(analysis: str) -> None:
+    """At the end of the elements that are held one of the models beside has it there, and the other has not."""
+    method = lm.GeneralizedAlpha(dt=1e-3, rho_inf=0.8)
+    analyses = {"still": lm.Statics("still"), "swing": lm.Motion("swing", t_end=0.02, integrator=method)}
+    statistic = "rms" if analysis == "swing" else "last"
+    asked = {name: lm.SignalOutput(f"root.{name}", component="y", statistic=statistic) for name in ("force", "torque")}
+
+    def found(place: float) -> Floats:
+        def system(at: float) -> lm.System:
+            made = lm.System()
+            body = made.add(lm.Plate("plate", (0.5, 0.3), (5, 3), SHEET))
+            made.add(lm.Clamp("root", body.edge("x-")))
+            made.add(lm.PointForce("load", body.marker("tip", at, 0.1), (1.0, 2.0, -3.0)))
+            return made
+
+        return lm.gradient(system, {"at": place}, asked, analyses=(analyses[analysis],)).matrix[:, 0]
+
+    beside = 0.5 * (found(0.1 - 4e-6) + found(0.1 + 4e-6))
+    np.testing.assert_allclose(found(0.1), beside, rtol=1e-3, atol=1e-3 * np.abs(beside).max())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import chain
 from typing import NamedTuple
@@ -25,11 +26,13 @@ class Acting(NamedTuple):
     Args:
         forces, loads: sums of the blocks.
         numbering: the near vectors; None where these are all there are.
+        numbers: of the blocks among all forces, and among all loads.
     """
 
     forces: Forces
     loads: Forces
     numbering: Numbering | None
+    numbers: tuple[Sequence[int], ...]
 
 
 class Holding:
@@ -62,14 +65,29 @@ class Holding:
         return self._stacks[n]
 
     def _stacked(self, n: int) -> Holding | None:
-        forces, loads, numbering = self.acting
+        forces, loads, numbering, numbers = self.acting
         n_near = self.n_near
         parts = [[block.repeated(n, n_near) for block, _ in blocks.parts] for blocks in (forces, loads)]
         if numbering is None or None in chain(*parts):
             return None
         found = Holding(self._model, self._held, self._forces, self._loads, self._constraints)
         of_forces, of_loads = (ForceSum([block for block in part if block], n * n_near) for part in parts)
-        found.n_states, found.acting, found.mass = n, Acting(of_forces, of_loads, numbering), self.mass
+        found.n_states, found.acting, found.mass = n, Acting(of_forces, of_loads, numbering, numbers), self.mass
+        return found
+
+    def is_like(self, other: Holding) -> bool:
+        """Whether the same blocks act, with the same near coordinates: a load that moves may come to act, or cease to."""
+        mine, its = self.acting, other.acting
+        if mine.numbers != its.numbers or (mine.numbering is None) != (its.numbering is None):
+            return False
+        return mine.numbering is None or np.array_equal(self.vectors, other.vectors)
+
+    @cached_property
+    def unparted(self) -> Holding:
+        """The same of all blocks as they are, in all coordinates."""
+        found = Holding(self._model, self._held, self._forces, self._loads, self._constraints)
+        numbers = tuple(range(len(blocks.parts)) for blocks in (self._forces, self._loads))
+        found.acting = Acting(self._forces, self._loads, None, numbers)
         return found
 
     @cached_property
@@ -78,13 +96,15 @@ class Holding:
         model, n_q = self._model, self._model.n_q
         held = np.zeros(n_q, bool)
         held[self._held] = True
-        forces, loads = ([b for b, _ in blocks.parts if _acts(b, held)] for blocks in (self._forces, self._loads))
+        every = [[block for block, _ in blocks.parts] for blocks in (self._forces, self._loads)]
+        numbers = tuple([k for k, block in enumerate(blocks) if _acts(block, held)] for blocks in every)
+        forces, loads = ([blocks[k] for k in own] for blocks, own in zip(every, numbers, strict=True))
         mixed = self._constraints.n_all or held[model.n_motion :].any()
         numbering = Numbering(model.n_motion // 3)
         near = [[None if mixed else block.acting_on(held, numbering) for block in blocks] for blocks in (forces, loads)]
         if mixed or None in chain(*near):
             of_forces, of_loads = ([block.acting_on(held, None) or block for block in blocks] for blocks in (forces, loads))
-            return Acting(ForceSum(of_forces, n_q), ForceSum(of_loads, n_q), None)
+            return Acting(ForceSum(of_forces, n_q), ForceSum(of_loads, n_q), None, numbers)
         numbering.add(self._held // 3)
         of_vectors = np.zeros(model.n_motion // 3, bool)
         of_vectors[self._held // 3] = True
@@ -92,7 +112,7 @@ class Holding:
             numbering.add(inertia.coupled_with(of_vectors))
         n = 3 * len(numbering.vectors)
         of_forces, of_loads = (ForceSum([block for block in part if block], n) for part in near)
-        return Acting(of_forces, of_loads, numbering)
+        return Acting(of_forces, of_loads, numbering, numbers)
 
     @property
     def vectors(self) -> Ints:
@@ -169,7 +189,7 @@ class Holding:
         """
         if not len(self._held):
             return np.zeros(q.shape)
-        forces, loads, _ = self.acting
+        forces, loads, *_ = self.acting
         q_near, v_near = self.near(q), self._still if v is None else self.near(v)
         found = loads(t, q_near, v_near) * factor
         forces.evaluate(t, q_near, v_near)

@@ -56,6 +56,12 @@ class Beside:
         self.stacks = all(self.same) or neighbours.parts is not None
         self._shifts = [side.equations.held - equations.held for side in neighbours.sides]
 
+    @property
+    def reactions_stack(self) -> bool:
+        """Whether reactions can be told of several states at once as well."""
+        parts = self.neighbours.parts
+        return parts is not None and parts.reactions_stack
+
     def states_at(self, point: Point, state: State) -> list[State]:
         """The states of the neighbours at a point, where the middle has the given one; their reactions are its own where the
         parts of the residual tell how these differ.

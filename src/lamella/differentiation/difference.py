@@ -112,7 +112,7 @@ class PartDifference:
             state: there.
             change: how the state follows the unknowns, if these follow the parameter; only where coordinates may.
         """
-        holding = self._base.holding.stack(len(state.q) if state.q.ndim > 1 else 1)
+        holding = self._holding.stack(len(state.q) if state.q.ndim > 1 else 1)
         assert holding is not None, "asked of stacks only where there are any"
         if holding not in self._on_held:
             self._on_held[holding] = _OnHeld(self._sides, holding, self.follows)
@@ -134,6 +134,16 @@ class PartDifference:
             if da is not None:
                 holding.add_product(holding.mass, da, f)
         return holding.whole(f)
+
+    @property
+    def reactions_stack(self) -> bool:
+        """Whether reactions of several states side by side are told, where they are in the models."""
+        return self._holding is self._base.holding
+
+    @cached_property
+    def _holding(self) -> Holding:
+        own = self._base.holding
+        return own if all(own.is_like(side.equations.holding) for side in self._sides) else own.unparted
 
     @cached_property
     def _potentials(self) -> Sequence[ForceChange]:
@@ -255,8 +265,10 @@ class _OnHeld:
     """
 
     def __init__(self, sides: Sequence[Side], holding: Holding, follow: bool) -> None:
-        of = [side.equations.holding.stack(holding.n_states) for side in sides]
-        beside = [each.acting for each in of if each]
+        of = [side.equations.holding for side in sides]
+        if not all(map(holding.is_like, of)):
+            of = [each.unparted for each in of]
+        beside = [stack.acting for each in of if (stack := each.stack(holding.n_states))]
         loads = ForceParts(holding.acting.loads, sides, [there.loads for there in beside])
         self.parts = loads, ForceParts(holding.acting.forces, sides, [there.forces for there in beside], all_change=follow)
         self._rows_of = holding.rows_of

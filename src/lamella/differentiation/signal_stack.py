@@ -37,7 +37,9 @@ def stack_of(
     models = [equations, *(side.equations for each in besides for side in each.neighbours.sides)]
     if not chosen or equations.elimination.moves or any(each.model.remembers for each in models):
         return None
-    if not all(each.stacks for each in besides) or (reactions and not all(each.holding.stack(TOGETHER) for each in models)):
+    if not all(each.stacks for each in besides):
+        return None
+    if reactions and not (all(each.holding.stack(TOGETHER) for each in models) and all(each.reactions_stack for each in besides)):
         return None
     return SignalStack(equations, besides, chosen, reactions)
 
