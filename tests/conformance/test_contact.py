@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import lamella as lm
+from lamella.assembly.equations import Equations
+from lamella.contact.block import ContactBlock
 from lamella.dofs import Build
 from lamella.errors import DeclarationError
 from lamella.math.rotation import matrix_from_vector
@@ -488,3 +490,26 @@ def test_statics_finds_how_deep_a_block_sinks():
     result = lm.equilibrium(system)
     assert float(result["floor.depth"]) == pytest.approx((mass * 9.81 / (k * side**2)) ** (2 / 3), rel=1e-8)
     assert result["floor.force"].values[2] == pytest.approx(-mass * 9.81, rel=1e-8)
+
+
+@pytest.mark.parametrize("how", [{}, {"damping": 0.4, "mu": 0.3}], ids=["without friction", "with friction"])
+def test_a_recorded_state_is_evaluated_once(how, monkeypatch):
+    """By the reaction of a support beside the contact and by all its signals together: they are given the same arrays."""
+    sheet = lm.Laminate(lm.Isotropic(E=7e10, nu=0.3, rho=2700), thickness=2e-3)
+    plate = lm.Plate("plate", (0.5, 0.2), (2, 1), sheet, position=(0, 0, 1e-3 - 1e-6))
+    system, ground = lm.System(), lm.Ground()
+    contact = lm.PlaneContact("floor", plate, ground.origin, stiffness=1e8, **how)
+    for item in (ground, plate, contact, lm.Clamp("root", plate.edge("x-"))):
+        system.add(item)
+    equations, calls, real = Equations(system.compile()), [], ContactBlock._evaluate
+
+    def counted(self, *arguments, **options):
+        calls.append(1)
+        real(self, *arguments, **options)
+
+    monkeypatch.setattr(ContactBlock, "_evaluate", counted)
+    state = equations.state(equations.start())
+    values = [signal.evaluate(state) for signal in equations.model.signals if signal.name.startswith("floor.")]
+    assert len(values) > 3
+    assert np.abs(values[0]).max() > 0.0
+    assert len(calls) == 1

@@ -82,6 +82,11 @@ class Holding:
             return False
         return mine.numbering is None or np.array_equal(self.vectors, other.vectors)
 
+    @property
+    def knows_states(self) -> bool:
+        """Whether blocks are given the arrays of a state themselves, by which contact knows one that was evaluated already."""
+        return len(self._held) > 0 and self.acting.numbering is None
+
     @cached_property
     def unparted(self) -> Holding:
         """The same of all blocks as they are, in all coordinates."""

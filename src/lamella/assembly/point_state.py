@@ -15,8 +15,9 @@ from lamella.state import LateState
 
 def reaction_at(equations: Any, point: Point, state: Any, n: int = 1) -> Floats:
     """M a + f + Phi_q^T lam in all coordinates of a state at a point, or of n states side by side."""
-    v, a = state.v if equations.depends_on_velocity else None, None if point.at_rest else state.a
-    return equations.holding.stack(n).reaction(point.t, point.factor, state.q, v, a, point.lam)
+    holding = equations.holding.stack(n)
+    v = state.v if equations.depends_on_velocity or holding.knows_states else None
+    return holding.reaction(point.t, point.factor, state.q, v, None if point.at_rest else state.a, point.lam)
 
 
 OF_POINT: dict[str, Callable[[Any], Floats]] = {
